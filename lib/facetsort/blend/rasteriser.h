@@ -1,0 +1,58 @@
+// The software blend target: a tiled, vectorised rasteriser that blends facets in the order it is given.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "facetsort/blend/image.h"
+#include "facetsort/blend/view.h"
+#include "facetsort/mesh/mesh_view.h"
+
+namespace facetsort {
+
+enum class Cull { none, back_faces, front_faces };
+enum class DepthTest { off, less, less_or_equal };
+
+// One run over facets, with the fixed state of a graphics pipeline.
+struct DrawPass {
+  Cull cull = Cull::none;
+  DepthTest depth_test = DepthTest::off;  // against float32 depth, cleared before the first pass
+  bool depth_write = false;
+  bool colour_write = true;  // premultiplied source-over
+};
+
+struct DrawStatistics {
+  std::size_t facets_drawn = 0;  // facets that were not culled and touch the picture, over all passes
+};
+
+// Draws meshes into pictures. Coverage is exact and watertight: a facet covers a pixel if and only if the ray through
+// the pixel's centre meets it, edges and corners by the top-left rule, so facets that share an edge cover each pixel
+// exactly once (homogeneous edge functions as in Olano and Greer 1997, "Triangle Scan Conversion using 2D Homogeneous
+// Coordinates", so no facet is clipped or snapped to a grid; a filter in float, then in double, then exact integers).
+// Within a pixel facets are blended in the order given; the picture is the same for any thread count and instruction
+// set. Keeps its scratch: drawing again allocates nothing once the largest frame was seen.
+//
+// One thread at a time; works in parallel in the caller's task arena.
+class Rasteriser {
+ public:
+  Rasteriser();
+  Rasteriser(Rasteriser&&) noexcept;
+  Rasteriser& operator=(Rasteriser&&) noexcept;
+  ~Rasteriser();
+
+  // Clears `image` to `clear_colour` (premultiplied), of the view's size and `format`, and runs the passes.
+  // `order`: facet ids in draw order, a permutation or a subset; repeated ids are drawn again.
+  // `colours`: premultiplied colour of each facet by id (see facet_colours), or empty to shade with the mesh's vertex
+  // colours, which must then be there.
+  DrawStatistics draw(const MeshView& mesh, const View& view, std::span<const std::uint32_t> order,
+                      std::span<const glm::vec4> colours, std::span<const DrawPass> passes,
+                      const glm::vec4& clear_colour, PixelFormat format, Image& image);
+
+ private:
+  struct Scratch;
+  std::unique_ptr<Scratch> scratch_;
+};
+
+}  // namespace facetsort

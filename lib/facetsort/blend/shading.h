@@ -1,0 +1,36 @@
+// The colour of a fragment: the mesh's own, or the project's default colours; lit by a headlight.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "facetsort/blend/view.h"
+#include "facetsort/mesh/mesh_view.h"
+
+namespace facetsort {
+
+// Alpha of facets without colours of their own.
+inline constexpr float default_alpha = 0.5f;
+// Opaque black, premultiplied.
+inline constexpr glm::vec4 background{0, 0, 0, 1};
+
+// Linear RGB and straight alpha of a facet in a mesh without colours: one hue a facet, from a hash of its id, so that
+// any swap of two facets shows.
+glm::vec4 default_facet_colour(std::uint32_t facet);
+
+// Light on a facet: 0.25 + 0.75 |cos| of the angle between its normal and the direction from its centroid to the eye
+// (a headlight, both sides lit). 1 for a degenerate facet.
+float headlight(const MeshView& mesh, std::uint32_t facet, const glm::vec4& homogeneous_eye);
+
+// Premultiplied colour of a facet that has one colour (no vertex colours), lit.
+glm::vec4 facet_colour(const MeshView& mesh, std::uint32_t facet, const glm::vec4& homogeneous_eye);
+
+// Premultiplied colour where `ray` meets a facet: facet_colour, or the vertex colours interpolated in perspective
+// (barycentric coordinates in double from the float32 corners; straight alpha is interpolated, then premultiplied).
+glm::vec4 fragment_colour(const MeshView& mesh, std::uint32_t facet, const Ray& ray, const glm::vec4& homogeneous_eye);
+
+// facet_colour of every facet; parallel in the caller's task arena.
+void facet_colours(const MeshView& mesh, const glm::vec4& homogeneous_eye, std::vector<glm::vec4>& colours);
+
+}  // namespace facetsort

@@ -1,0 +1,83 @@
+// How a picture of a self-transparent mesh is made: the strategies that engines offer, and ours.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "facetsort/blend/fragment_lists.h"
+#include "facetsort/blend/image.h"
+#include "facetsort/blend/rasteriser.h"
+#include "facetsort/blend/view.h"
+#include "facetsort/mesh/mesh_view.h"
+#include "facetsort/order/method.h"
+#include "facetsort/order/sorter.h"
+
+namespace facetsort {
+
+enum class StrategyKind {
+  unsorted,               // index order
+  separate_culling_pass,  // back faces in index order, then front faces (Babylon.js separateCullingPass)
+  double_sided,           // all facets in index order with back faces culled, then again with flipped winding: fronts
+                          // first and backs last (Babylon.js DOUBLESIDE)
+  depth_prepass,          // depth first, then colour where the depth is the nearest (Babylon.js needDepthPrePass)
+  depth_write,            // index order with depth test and depth writing on (Three.js's default)
+  facet_sort,             // facets ordered by a depth key
+  reference,              // every fragment of a pixel blended by its own depth
+};
+
+struct Strategy {
+  StrategyKind kind = StrategyKind::unsorted;
+  Method method = Method::centroid_distance;  // of facet_sort
+
+  bool operator==(const Strategy&) const = default;
+  // Whether each facet is drawn whole at one place of an order, so that inversions can be counted.
+  bool draws_in_order() const;
+  // "unsorted", "facet_sort:centroid_distance", ...
+  std::string name() const;
+};
+
+// Every strategy, in the order in which reports show them; `reference` last.
+std::vector<Strategy> all_strategies();
+// Knows every name() and, as method, its alias.
+std::optional<Strategy> strategy_from_name(std::string_view name);
+
+// One frame of a strategy, its stages apart so that each can be timed: construct once a mesh, then for each view
+// order() and draw(). Keeps its scratch. One thread at a time; parallel in the caller's task arena.
+class StrategyRenderer {
+ public:
+  // The mesh's arrays must outlive it.
+  StrategyRenderer(const MeshView& mesh, const Strategy& strategy);
+  StrategyRenderer(StrategyRenderer&&) noexcept;
+  StrategyRenderer& operator=(StrategyRenderer&&) noexcept;
+  ~StrategyRenderer();
+
+  // Per-frame work before drawing: the sort (nothing for most strategies).
+  void order(const View& view);
+  // Draws with the last order(); colours are shaded inside (see shading.h).
+  DrawStatistics draw(const View& view, PixelFormat format, Image& image);
+
+  // Draws the number of times each pixel is covered, by the same passes, into the red channel (rgba32f).
+  void draw_coverage(const View& view, Image& image);
+  // Position of each facet in the sequence in which facets are drawn for the last order(), or not_drawn. Only where
+  // strategy().draws_in_order().
+  void ranks(const View& view, std::vector<std::uint32_t>& rank) const;
+
+  const Strategy& strategy() const;
+  int passes() const;                  // over the geometry
+  std::size_t prepared_bytes() const;  // held beyond the mesh, made at construction
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+// The reference picture from per-pixel lists already collected: fragments of each pixel blended farthest first, ties by
+// smaller facet id first. Parallel in the caller's task arena.
+void blend_lists(const MeshView& mesh, const View& view, const FragmentLists& lists, PixelFormat format, Image& image);
+
+}  // namespace facetsort
