@@ -24,8 +24,9 @@ struct SortView {
 
 // Sorts one mesh for many views. Construction computes what does not depend on the view; sort() allocates nothing
 // after its first call. Keys are float32, compared to the last bit: facets with equal keys come out by smaller id
-// first. The order depends on neither thread count nor instruction set. Mirroring mesh and eye, or scaling both by a
-// power of two, changes no key comparison.
+// first. They are taken relative to the mesh's centre, so a mesh far from the origin, or an eye far from the mesh,
+// costs no digits. The order depends on neither thread count nor instruction set. Mirroring mesh and eye, or scaling
+// both by a power of two, changes no key comparison.
 //
 // A Sorter serves one thread at a time; different Sorters may be used at once. It keeps no reference to the mesh.
 class Sorter {
@@ -44,7 +45,7 @@ class Sorter {
   void sort_indices(const SortView& view, std::span<const glm::uvec3> triangles, std::span<std::uint32_t> indices);
   void sort_indices(const SortView& view, std::span<const glm::uvec3> triangles, std::span<std::uint16_t> indices);
 
-  // The float key of each facet for the last view sorted, larger is farther; by facet id.
+  // The key of each facet for the last view sorted, by facet id: larger is farther. Comparable within one view only.
   std::span<const float> keys() const { return keys_; }
   Method method() const { return method_; }
   // Bytes that this Sorter holds.
@@ -52,8 +53,11 @@ class Sorter {
 
  private:
   void compute_keys(const SortView& view);
+  template <typename Index>
+  void write_indices(const SortView& view, std::span<const glm::uvec3> triangles, std::span<Index> indices);
 
   Method method_;
+  FacetFrame frame_;
   PointArrays points_[3];  // one set for the keys of one point a facet; three corners for nearest and farthest
   std::vector<float> keys_;
   std::vector<std::uint64_t> entries_, scratch_;  // key bits and facet id
