@@ -1,0 +1,219 @@
+// Filters: stage A of Shewchuk 1997, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
+// Predicates". Fallback: finite floating-point numbers are integers times a power of two, so after scaling every input
+// by one common power the signs of polynomials follow from integer arithmetic alone: no fractions, no divisors.
+#include "facetsort/exact/predicates.h"
+
+#include <algorithm>
+#include <bit>
+#include <boost/multiprecision/cpp_int.hpp>
+#include <cassert>
+#include <cmath>
+#include <cstdint>
+#include <initializer_list>
+#include <limits>
+
+namespace facetsort {
+namespace {
+
+// Numbers up to 512 bits live on the stack, which covers coordinates whose magnitudes span some 2^100; wider ones
+// allocate.
+using Integer =
+    boost::multiprecision::number<boost::multiprecision::cpp_int_backend<
+                                      512, 0, boost::multiprecision::signed_magnitude, boost::multiprecision::unchecked,
+                                      std::allocator<boost::multiprecision::limb_type>>,
+                                  boost::multiprecision::et_off>;
+
+struct IntegerVector {
+  Integer x, y, z;
+};
+
+thread_local unsigned long long fallback_count = 0;
+
+// value = mantissa * 2^exponent with an odd mantissa; zero has no exponent that matters.
+struct Dyadic {
+  std::int64_t mantissa = 0;
+  int exponent = std::numeric_limits<int>::max();
+
+  explicit Dyadic(double value) {
+    assert(std::isfinite(value));
+    constexpr int fraction_bits = 52;
+    constexpr int lowest_exponent = -1074;  // of the smallest denormal double
+    const std::uint64_t bits = std::bit_cast<std::uint64_t>(value);
+    const int biased_exponent = static_cast<int>(bits >> fraction_bits & 0x7ff);
+    std::uint64_t magnitude = bits & ((std::uint64_t{1} << fraction_bits) - 1);
+    if (biased_exponent != 0) magnitude |= std::uint64_t{1} << fraction_bits;
+    if (magnitude == 0) return;
+    const int zeros = std::countr_zero(magnitude);
+    mantissa = static_cast<std::int64_t>(magnitude >> zeros);
+    if (std::signbit(value)) mantissa = -mantissa;
+    exponent = lowest_exponent + std::max(biased_exponent, 1) - 1 + zeros;
+  }
+};
+
+// The largest e such that every value is an integer times 2^e; 0 when all are zero.
+int common_exponent(std::initializer_list<double> values) {
+  int lowest = std::numeric_limits<int>::max();
+  for (const double value : values) lowest = std::min(lowest, Dyadic(value).exponent);
+  return lowest == std::numeric_limits<int>::max() ? 0 : lowest;
+}
+
+int common_exponent(std::initializer_list<glm::dvec3> vectors) {
+  int lowest = std::numeric_limits<int>::max();
+  for (const glm::dvec3& v : vectors) {
+    for (int i = 0; i < 3; ++i) lowest = std::min(lowest, Dyadic(v[i]).exponent);
+  }
+  return lowest == std::numeric_limits<int>::max() ? 0 : lowest;
+}
+
+// value / 2^exponent. Precondition: that is an integer.
+Integer scaled_integer(double value, int exponent) {
+  const Dyadic dyadic(value);
+  Integer integer = dyadic.mantissa;
+  if (dyadic.mantissa != 0) integer <<= dyadic.exponent - exponent;
+  return integer;
+}
+
+IntegerVector scaled_integers(const glm::dvec3& v, int exponent) {
+  return {scaled_integer(v.x, exponent), scaled_integer(v.y, exponent), scaled_integer(v.z, exponent)};
+}
+
+IntegerVector operator-(const IntegerVector& a, const IntegerVector& b) {
+  return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+Integer dot(const IntegerVector& a, const IntegerVector& b) {
+  return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+IntegerVector cross(const IntegerVector& a, const IntegerVector& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+int sign(const Integer& value) {
+  return value.sign();
+}
+
+int sign(double value) {
+  return (value > 0) - (value < 0);
+}
+
+constexpr double half_epsilon = std::numeric_limits<double>::epsilon() / 2;
+
+// Shewchuk's bounds on the error of a determinant of rounded differences, relative to the sum of the magnitudes of its
+// products. They hold for float32 input unconditionally: the smallest product of three non-zero differences is 2^-447
+// and the largest 2^390, so nothing underflows or overflows in double.
+constexpr double bound_of_3x3 = (7 + 56 * half_epsilon) * half_epsilon;
+constexpr double bound_of_2x2 = (3 + 16 * half_epsilon) * half_epsilon;
+
+int exact_determinant_sign(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::vec4& d) {
+  ++fallback_count;
+  const glm::dvec3 target(d);
+  const int exponent = common_exponent({glm::dvec3(a), glm::dvec3(b), glm::dvec3(c), target});
+  const IntegerVector origin = scaled_integers(a, exponent);
+  const IntegerVector u = scaled_integers(b, exponent) - origin;
+  const IntegerVector v = scaled_integers(c, exponent) - origin;
+  IntegerVector w = scaled_integers(target, exponent);
+  if (d.w != 0) w = w - origin;
+  return sign(dot(cross(u, v), w));
+}
+
+int exact_normal_sign(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2& c) {
+  ++fallback_count;
+  const int exponent = common_exponent({a.x, a.y, b.x, b.y, c.x, c.y});
+  const Integer ax = scaled_integer(a.x, exponent), ay = scaled_integer(a.y, exponent);
+  const Integer ux = scaled_integer(b.x, exponent) - ax, uy = scaled_integer(b.y, exponent) - ay;
+  const Integer vx = scaled_integer(c.x, exponent) - ax, vy = scaled_integer(c.y, exponent) - ay;
+  return sign(Integer(ux * vy - uy * vx));
+}
+
+// The projection of points to homogeneous pixels in integers: every h(p) is scaled by the same power of two.
+class ExactProjection {
+ public:
+  ExactProjection(std::initializer_list<glm::vec3> points, const glm::vec3& eye, const glm::dmat3& rows,
+                  const glm::dvec3& offset) {
+    point_exponent_ = common_exponent({glm::dvec3(eye)});
+    for (const glm::vec3& point : points) {
+      point_exponent_ = std::min(point_exponent_, common_exponent({glm::dvec3(point)}));
+    }
+    const int row_exponent = common_exponent({rows[0], rows[1], rows[2]});
+    const int product_exponent = point_exponent_ + row_exponent;
+    const int exponent = std::min(product_exponent, common_exponent({offset}));
+    eye_ = scaled_integers(eye, point_exponent_);
+    // The rows carry the shift that aligns their products with the offset.
+    const int shifted_row_exponent = row_exponent - (product_exponent - exponent);
+    for (int i = 0; i < 3; ++i) rows_[i] = scaled_integers(rows[i], shifted_row_exponent);
+    offset_ = scaled_integers(offset, exponent);
+  }
+
+  IntegerVector operator()(const glm::vec3& point) const {
+    const IntegerVector p = scaled_integers(point, point_exponent_) - eye_;
+    return {dot(rows_[0], p) + offset_.x, dot(rows_[1], p) + offset_.y, dot(rows_[2], p) + offset_.z};
+  }
+
+ private:
+  int point_exponent_;
+  IntegerVector eye_, rows_[3], offset_;
+};
+
+}  // namespace
+
+int side_of_plane(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::vec4& eye) {
+  assert(eye.w == 0 || eye.w == 1);
+  const glm::dvec3 origin(a);
+  const glm::dvec3 u = glm::dvec3(b) - origin, v = glm::dvec3(c) - origin;
+  const glm::dvec3 w = eye.w == 0 ? glm::dvec3(eye) : glm::dvec3(eye) - origin;
+  const double uy_vz = u.y * v.z, uz_vy = u.z * v.y;
+  const double uz_vx = u.z * v.x, ux_vz = u.x * v.z;
+  const double ux_vy = u.x * v.y, uy_vx = u.y * v.x;
+  const double determinant = w.x * (uy_vz - uz_vy) + w.y * (uz_vx - ux_vz) + w.z * (ux_vy - uy_vx);
+  const double magnitude = std::abs(w.x) * (std::abs(uy_vz) + std::abs(uz_vy)) +
+                           std::abs(w.y) * (std::abs(uz_vx) + std::abs(ux_vz)) +
+                           std::abs(w.z) * (std::abs(ux_vy) + std::abs(uy_vx));
+  // The second case: every product is zero, which is certain because none underflows.
+  if (std::abs(determinant) > bound_of_3x3 * magnitude || magnitude == 0) return sign(determinant);
+  return exact_determinant_sign(a, b, c, eye);
+}
+
+int orientation(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::vec3& d) {
+  return side_of_plane(a, b, c, glm::vec4(d, 1));
+}
+
+int normal_sign(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, int axis) {
+  assert(axis >= 0 && axis < 3);
+  const int i = (axis + 1) % 3, j = (axis + 2) % 3;
+  const glm::dvec2 origin(a[i], a[j]), second(b[i], b[j]), third(c[i], c[j]);
+  const glm::dvec2 u = second - origin, v = third - origin;
+  const double left = u.x * v.y, right = u.y * v.x;
+  const double magnitude = std::abs(left) + std::abs(right);
+  if (std::abs(left - right) > bound_of_2x2 * magnitude || magnitude == 0) return sign(left - right);
+  return exact_normal_sign(origin, second, third);
+}
+
+bool collinear(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+  return normal_sign(a, b, c, 0) == 0 && normal_sign(a, b, c, 1) == 0 && normal_sign(a, b, c, 2) == 0;
+}
+
+EdgeSigns exact_edge_signs(const glm::vec3& a, const glm::vec3& b, const glm::vec3& eye, const glm::dmat3& rows,
+                           const glm::dvec3& offset, double pixel_x, double pixel_y) {
+  ++fallback_count;
+  const ExactProjection project({a, b}, eye, rows, offset);
+  const IntegerVector line = cross(project(a), project(b));
+  // 1 is among the values, so that the pixel's coordinates and the factor of C share their power of two.
+  const int exponent = common_exponent({pixel_x, pixel_y, 1.0});
+  const Integer at_pixel = line.x * scaled_integer(pixel_x, exponent) + line.y * scaled_integer(pixel_y, exponent) +
+                           line.z * scaled_integer(1.0, exponent);
+  return {sign(at_pixel), sign(line.x), sign(line.y)};
+}
+
+int exact_facing(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::vec3& eye,
+                 const glm::dmat3& rows, const glm::dvec3& offset) {
+  ++fallback_count;
+  const ExactProjection project({a, b, c}, eye, rows, offset);
+  return sign(dot(cross(project(a), project(b)), project(c)));
+}
+
+unsigned long long exact_fallbacks() {
+  return fallback_count;
+}
+
+}  // namespace facetsort
