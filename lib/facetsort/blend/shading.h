@@ -15,6 +15,12 @@ inline constexpr float default_alpha = 0.5f;
 // Opaque black, premultiplied.
 inline constexpr glm::vec4 background{0, 0, 0, 1};
 
+// Whether each facet has one colour: its own, or the default for a mesh without colours. Vertex colours count only
+// where there are no facet colours.
+inline bool has_one_colour_per_facet(const MeshView& mesh) {
+  return !mesh.facet_colours.empty() || mesh.vertex_colours.empty();
+}
+
 // Linear RGB and straight alpha of a facet in a mesh without colours: one hue a facet, from a hash of its id, so that
 // any swap of two facets shows.
 glm::vec4 default_facet_colour(std::uint32_t facet);
@@ -23,14 +29,14 @@ glm::vec4 default_facet_colour(std::uint32_t facet);
 // (a headlight, both sides lit). 1 for a degenerate facet.
 float headlight(const MeshView& mesh, std::uint32_t facet, const glm::vec4& homogeneous_eye);
 
-// Premultiplied colour of a facet that has one colour (no vertex colours), lit.
+// Premultiplied colour of a facet, lit. Precondition: has_one_colour_per_facet(mesh).
 glm::vec4 facet_colour(const MeshView& mesh, std::uint32_t facet, const glm::vec4& homogeneous_eye);
 
 // Premultiplied colour where `ray` meets a facet: facet_colour, or the vertex colours interpolated in perspective
 // (barycentric coordinates in double from the float32 corners; straight alpha is interpolated, then premultiplied).
 glm::vec4 fragment_colour(const MeshView& mesh, std::uint32_t facet, const Ray& ray, const glm::vec4& homogeneous_eye);
 
-// facet_colour of every facet; parallel in the caller's task arena.
+// facet_colour of every facet, with its precondition; parallel in the caller's task arena.
 void facet_colours(const MeshView& mesh, const glm::vec4& homogeneous_eye, std::vector<glm::vec4>& colours);
 
 }  // namespace facetsort

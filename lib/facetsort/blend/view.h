@@ -4,6 +4,7 @@
 #include <glm/glm.hpp>
 #include <vector>
 
+#include "facetsort/base/status.h"
 #include "facetsort/facets/facets.h"
 
 namespace facetsort {
@@ -27,6 +28,11 @@ struct View {
   glm::vec3 forward() const;
 };
 
+// Checks what every stage takes for granted of a view; the fault is bad_argument. Refused: an eye, target or up that is
+// not finite, an eye at its target, a field of view outside (0, 180), a height that is not above 0, a negative near
+// distance, a picture of no or of more than 2^30 pixels.
+Status validate(const View& view);
+
 // A ray through a pixel centre, in double: points are origin + t * direction; t is the distance from the eye
 // (perspective) or from the plane through the eye across the view (orthographic) when direction is a unit vector.
 struct Ray {
@@ -39,6 +45,7 @@ struct Ray {
 // pixel (i, j) having its centre at (i + 1/2, j + 1/2). W is the distance along the camera axis in perspective and 1
 // in orthographic views.
 struct Camera {
+  // Precondition: validate(view) is ok.
   explicit Camera(const View& view);
 
   glm::dvec3 eye;
@@ -60,7 +67,8 @@ struct Camera {
 glm::dvec3 fibonacci_direction(int i, int n);
 
 // A view of `bounds` from `eye` with the project's defaults: at the box's centre, up 0,1,0, 45 degrees, 512 x 512,
-// near plane at 1e-4 radii, orthographic height 2 radii.
+// near plane at 1e-4 radii, orthographic height 2 radii. An eye at the centre looks down -z; a box that is a point
+// counts as one of radius 1.
 View default_view(const Box& bounds, const glm::vec3& eye, Projection projection = Projection::perspective);
 
 // n eyes on the Fibonacci sphere at `radii` bounding radii from the box's centre, each looking at it.

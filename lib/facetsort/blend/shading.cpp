@@ -1,0 +1,95 @@
+#include "facetsort/blend/shading.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+
+#include "facetsort/base/parallel.h"
+
+namespace facetsort {
+namespace {
+
+constexpr float ambient = 0.25f, diffuse = 0.75f;
+
+// The finaliser of MurmurHash3 (Appleby 2011): every bit of the id changes half of the bits of the hash.
+std::uint32_t hash(std::uint32_t id) {
+  id = (id ^ (id >> 16)) * 0x85ebca6bu;
+  id = (id ^ (id >> 13)) * 0xc2b2ae35u;
+  return id ^ (id >> 16);
+}
+
+float clamped(float value) { return std::min(std::max(value, 0.0f), 1.0f); }
+
+// In double no product below leaves the range of normal numbers, whatever the scale of the mesh.
+inline float light_on(const MeshView& mesh, std::uint32_t facet, const glm::dvec4& eye) {
+  const glm::dvec3 a(mesh.corner(facet, 0)), b(mesh.corner(facet, 1)), c(mesh.corner(facet, 2));
+  const glm::dvec3 normal = glm::cross(b - a, c - a);
+  const glm::dvec3 to_eye = 3.0 * glm::dvec3(eye) - eye.w * (a + b + c);  // three times the way from the centroid
+  const double squared_lengths = glm::dot(normal, normal) * glm::dot(to_eye, to_eye);
+  if (!(squared_lengths > 0)) return 1;
+  const double cosine = std::abs(glm::dot(normal, to_eye)) / std::sqrt(squared_lengths);
+  return ambient + diffuse * static_cast<float>(std::min(cosine, 1.0));
+}
+
+inline glm::vec4 premultiplied(const glm::vec4& straight, float light) {
+  const float scale = straight.a * light;
+  return {straight.r * scale, straight.g * scale, straight.b * scale, straight.a};
+}
+
+inline glm::vec4 lit_facet(const MeshView& mesh, std::uint32_t facet, const glm::dvec4& eye) {
+  const glm::vec4 straight = mesh.facet_colours.empty() ? default_facet_colour(facet) : mesh.facet_colours[facet];
+  return premultiplied(straight, light_on(mesh, facet, eye));
+}
+
+// Weights of the corners where the ray meets the facet's plane: each is the signed volume spanned by the ray and the
+// opposite edge. Rounding can leave a hit just outside; it is moved onto the facet, so that no colour is extrapolated.
+std::array<double, 3> barycentric(const MeshView& mesh, std::uint32_t facet, const Ray& ray) {
+  std::array<glm::dvec3, 3> corner;
+  for (int i = 0; i < 3; ++i) corner[i] = glm::dvec3(mesh.corner(facet, i)) - ray.origin;
+  std::array<double, 3> volume;
+  for (int i = 0; i < 3; ++i)
+    volume[i] = glm::dot(ray.direction, glm::cross(corner[(i + 1) % 3], corner[(i + 2) % 3]));
+  const double sign = volume[0] + volume[1] + volume[2] < 0 ? -1 : 1;
+  for (double& v : volume) v = std::max(sign * v, 0.0);
+  const double sum = volume[0] + volume[1] + volume[2];
+  if (!(sum > 0)) return {1.0 / 3, 1.0 / 3, 1.0 / 3};
+  return {volume[0] / sum, volume[1] / sum, volume[2] / sum};
+}
+
+}  // namespace
+
+glm::vec4 default_facet_colour(std::uint32_t facet) {
+  const float hue = static_cast<float>(hash(facet) >> 8) * (6.0f / 0x1p24f);  // [0, 6): red, yellow, green, ... red
+  return {clamped(std::abs(hue - 3) - 1), clamped(2 - std::abs(hue - 2)), clamped(2 - std::abs(hue - 4)),
+          default_alpha};
+}
+
+float headlight(const MeshView& mesh, std::uint32_t facet, const glm::vec4& homogeneous_eye) {
+  return light_on(mesh, facet, glm::dvec4(homogeneous_eye));
+}
+
+glm::vec4 facet_colour(const MeshView& mesh, std::uint32_t facet, const glm::vec4& homogeneous_eye) {
+  assert(has_one_colour_per_facet(mesh));
+  return lit_facet(mesh, facet, glm::dvec4(homogeneous_eye));
+}
+
+glm::vec4 fragment_colour(const MeshView& mesh, std::uint32_t facet, const Ray& ray, const glm::vec4& homogeneous_eye) {
+  if (has_one_colour_per_facet(mesh)) return facet_colour(mesh, facet, homogeneous_eye);
+  const std::array<double, 3> weight = barycentric(mesh, facet, ray);
+  glm::dvec4 straight(0);
+  for (int i = 0; i < 3; ++i) straight += weight[i] * glm::dvec4(mesh.vertex_colours[mesh.triangles[facet][i]]);
+  return premultiplied(glm::vec4(straight), headlight(mesh, facet, homogeneous_eye));
+}
+
+void facet_colours(const MeshView& mesh, const glm::vec4& homogeneous_eye, std::vector<glm::vec4>& colours) {
+  assert(has_one_colour_per_facet(mesh));
+  colours.resize(mesh.facet_count());
+  const glm::dvec4 eye(homogeneous_eye);
+  parallel_ranges(mesh.facet_count(), 4096, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t facet = begin; facet < end; ++facet)
+      colours[facet] = lit_facet(mesh, static_cast<std::uint32_t>(facet), eye);
+  });
+}
+
+}  // namespace facetsort
