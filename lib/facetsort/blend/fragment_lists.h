@@ -25,6 +25,7 @@ struct Fragment {
 // farthest first, equal depths by smaller facet id first.
 struct FragmentLists {
   int width = 0, height = 0;
+  std::size_t facets_drawn = 0;  // facets that may cover some pixel of the picture
   std::vector<std::uint64_t> offsets;  // width * height + 1
   std::vector<Fragment> fragments;
 

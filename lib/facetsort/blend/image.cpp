@@ -61,7 +61,8 @@ ImageError compare_images(const Image& image, const Image& reference, const std:
   ImageError error;
   error.wrong_pixels = total.wrong_pixels;
   error.max_error = total.largest;
-  if (total.covered_pixels > 0) error.rmse = std::sqrt(total.squares / (3.0 * static_cast<double>(total.covered_pixels)));
+  if (total.covered_pixels > 0)
+    error.rmse = std::sqrt(total.squares / (3.0 * static_cast<double>(total.covered_pixels)));
   return error;
 }
 

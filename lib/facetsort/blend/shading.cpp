@@ -19,7 +19,9 @@ std::uint32_t hash(std::uint32_t id) {
   return id ^ (id >> 16);
 }
 
-float clamped(float value) { return std::min(std::max(value, 0.0f), 1.0f); }
+float clamped(float value) {
+  return std::min(std::max(value, 0.0f), 1.0f);
+}
 
 // In double no product below leaves the range of normal numbers, whatever the scale of the mesh.
 inline float light_on(const MeshView& mesh, std::uint32_t facet, const glm::dvec4& eye) {
@@ -48,8 +50,7 @@ std::array<double, 3> barycentric(const MeshView& mesh, std::uint32_t facet, con
   std::array<glm::dvec3, 3> corner;
   for (int i = 0; i < 3; ++i) corner[i] = glm::dvec3(mesh.corner(facet, i)) - ray.origin;
   std::array<double, 3> volume;
-  for (int i = 0; i < 3; ++i)
-    volume[i] = glm::dot(ray.direction, glm::cross(corner[(i + 1) % 3], corner[(i + 2) % 3]));
+  for (int i = 0; i < 3; ++i) volume[i] = glm::dot(ray.direction, glm::cross(corner[(i + 1) % 3], corner[(i + 2) % 3]));
   const double sign = volume[0] + volume[1] + volume[2] < 0 ? -1 : 1;
   for (double& v : volume) v = std::max(sign * v, 0.0);
   const double sum = volume[0] + volume[1] + volume[2];

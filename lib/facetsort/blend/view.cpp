@@ -11,10 +11,14 @@ namespace {
 
 constexpr double degree = std::numbers::pi / 180;
 
-bool is_finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+bool is_finite(const glm::vec3& v) {
+  return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z);
+}
 
 // In double neither the square of the smallest nor that of the largest float leaves the range of normal numbers.
-glm::dvec3 normalised(const glm::dvec3& v) { return v / std::sqrt(glm::dot(v, v)); }
+glm::dvec3 normalised(const glm::dvec3& v) {
+  return v / std::sqrt(glm::dot(v, v));
+}
 
 // From the eye towards the target. An orthographic sort is given eye - at rounded to float, so the same rounded
 // direction is drawn.
@@ -44,7 +48,9 @@ float usable_radius(const Box& bounds) {
   return radius > 0 ? radius : 1.0f;
 }
 
-Status refuse(const char* message) { return {Fault::bad_argument, message}; }
+Status refuse(const char* message) {
+  return {Fault::bad_argument, message};
+}
 
 }  // namespace
 
@@ -52,7 +58,9 @@ glm::vec4 View::homogeneous_eye() const {
   return projection == Projection::perspective ? glm::vec4(eye, 1) : glm::vec4(eye - at, 0);
 }
 
-glm::vec3 View::forward() const { return glm::vec3(normalised(axis(*this))); }
+glm::vec3 View::forward() const {
+  return glm::vec3(normalised(axis(*this)));
+}
 
 Status validate(const View& view) {
   if (!is_finite(view.eye)) return refuse("view: the eye is not finite");
@@ -63,8 +71,8 @@ Status validate(const View& view) {
   if (view.projection == Projection::perspective) {
     if (!(view.vertical_fov_degrees > 0 && view.vertical_fov_degrees < 180))
       return refuse("view: the field of view is not between 0 and 180 degrees");
-    if (!(view.near_distance >= 0) || !std::isfinite(view.near_distance))
-      return refuse("view: the near distance is negative or not finite");
+    if (!(view.near_distance > 0) || !std::isfinite(view.near_distance))
+      return refuse("view: the near distance is not above 0, or not finite");
   } else if (!(view.height_in_units > 0) || !std::isfinite(view.height_in_units)) {
     return refuse("view: the height of the picture is not above 0");
   }
@@ -75,10 +83,7 @@ Status validate(const View& view) {
 }
 
 Camera::Camera(const View& view)
-    : eye(view.eye),
-      perspective(view.projection == Projection::perspective),
-      width(view.width),
-      height(view.height) {
+    : eye(view.eye), perspective(view.projection == Projection::perspective), width(view.width), height(view.height) {
   assert(validate(view).ok());
   forward = normalised(axis(view));
   right = rightwards(forward, glm::dvec3(view.up));

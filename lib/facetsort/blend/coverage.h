@@ -1,0 +1,80 @@
+// Internal to blend: exact coverage of pixel centres by facets, with homogeneous edge functions.
+//
+// Olano and Greer, "Triangle Scan Conversion using 2D Homogeneous Coordinates" (1997). With corners as homogeneous
+// pixels h = (X, Y, W) (see Camera), the edge from h1 to h2 is the line L = h1 x h2, and E(p) = dot(L, (p.x, p.y, 1))
+// has the sign of the side of it on which the pixel p lies. A facet covers p when its three edges agree with
+// det[h0 h1 h2]; that holds for corners in front of, behind and across the eye plane alike, so nothing is clipped.
+//
+// Signs are decided three times over: in float, relative to a tile, with a bound (tile_kernels.cpp); where that fails,
+// in double with a bound; where that fails too, in exact integers. A centre exactly on an edge belongs to the facet to
+// its right, or below it (top-left rule), which is the same as moving the centre by an infinitesimal amount to the
+// right and a yet smaller one down: hence every pixel of a closed surface is covered exactly once a layer, at edges
+// and corners too.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "facetsort/blend/view.h"
+#include "facetsort/mesh/mesh_view.h"
+
+namespace facetsort::blend_internal {
+
+// A corner in homogeneous pixels, and `reach`, which bounds the terms that X, Y and W are sums of (see ViewBounds).
+struct ProjectedVertex {
+  double x, y, w, reach;
+};
+
+// The terms of X, Y and W have magnitudes that sum to at most x * reach, y * reach and w * reach.
+struct ViewBounds {
+  double x, y, w;
+  double offset_reach;  // what the camera's constant offset adds to every reach
+};
+
+// All that coverage needs of a mesh in a view.
+struct ProjectedMesh {
+  MeshView mesh;
+  View view;
+  Camera camera{View{}};
+  ViewBounds bounds{};
+  std::vector<ProjectedVertex> vertices;
+
+  // Parallel in the caller's task arena. Keeps its storage.
+  void project(const MeshView& mesh_in, const View& view_in);
+};
+
+// One facet's edge functions, oriented so that they are positive inside, in coordinates relative to an origin: a small
+// origin-to-pixel distance is what keeps their rounding small. E_i(p) = a p.x + b p.y + c; edge i is opposite corner i.
+struct FacetEdges {
+  double a[3], b[3], c[3];
+  double error[3];  // bound on the rounding of E_i wherever |p.x| and |p.y| are at most the extent asked for
+};
+
+// +1 front, -1 back, 0 seen edge-on (covers nothing). Exact.
+int facet_facing(const ProjectedMesh& projected, std::uint32_t facet);
+
+// Precondition: `facing` is the facet's, and not 0.
+FacetEdges facet_edges(const ProjectedMesh& projected, std::uint32_t facet, int facing, const glm::dvec2& origin,
+                       double extent);
+
+// Whether the facet covers the pixel (x, y). Exact. Precondition as above.
+bool covers_pixel(const ProjectedMesh& projected, std::uint32_t facet, int facing, int x, int y);
+
+// Pixels whose centres the facet may cover, inclusive, within the picture; empty where it covers none. Conservative.
+struct PixelBox {
+  int x0 = 0, y0 = 0, x1 = -1, y1 = -1;
+  bool crosses_near = false;  // some of its fragments may be nearer than the near plane
+
+  bool empty() const { return x0 > x1 || y0 > y1; }
+};
+PixelBox facet_pixels(const ProjectedMesh& projected, std::uint32_t facet);
+
+// Depth along the pixel's ray, as Ray has it, and a bound on its rounding. From barycentric weights, so that it lies
+// between the corners' depths however thin the facet is. Precondition: the facet covers the pixel.
+struct PixelDepth {
+  double depth, error;
+};
+PixelDepth depth_at_pixel(const ProjectedMesh& projected, std::uint32_t facet, int facing, int x, int y);
+
+}  // namespace facetsort::blend_internal

@@ -1,0 +1,220 @@
+#include "facetsort/blend/strategy.h"
+
+#include <cmath>
+#include <numeric>
+
+#include "facetsort/base/parallel.h"
+#include "facetsort/blend/coverage.h"
+#include "facetsort/blend/shading.h"
+
+namespace facetsort {
+namespace {
+
+constexpr std::size_t pixels_per_task = 4096;
+
+struct NamedKind {
+  StrategyKind kind;
+  std::string_view name;
+};
+
+// In the order in which reports show them.
+constexpr NamedKind kinds[] = {
+    {StrategyKind::unsorted, "unsorted"},
+    {StrategyKind::double_sided, "double_sided"},
+    {StrategyKind::separate_culling_pass, "separate_culling_pass"},
+    {StrategyKind::depth_prepass, "depth_prepass"},
+    {StrategyKind::depth_write, "depth_write"},
+    {StrategyKind::facet_sort, "facet_sort"},
+    {StrategyKind::reference, "reference"},
+};
+
+constexpr std::string_view method_separator = ":";
+
+// What the blend target is told to do for a kind; nothing for the reference, which it does not draw.
+std::vector<DrawPass> draw_passes(StrategyKind kind) {
+  const DrawPass plain;
+  const DrawPass backs{.cull = Cull::front_faces}, fronts{.cull = Cull::back_faces};
+  switch (kind) {
+    case StrategyKind::unsorted:
+    case StrategyKind::facet_sort:
+      return {plain};
+    case StrategyKind::separate_culling_pass:
+      return {backs, fronts};
+    case StrategyKind::double_sided:
+      return {fronts, backs};
+    case StrategyKind::depth_prepass:
+      return {{.depth_test = DepthTest::less, .depth_write = true, .colour_write = false},
+              {.depth_test = DepthTest::less_or_equal, .depth_write = true}};
+    case StrategyKind::depth_write:
+      return {{.depth_test = DepthTest::less_or_equal, .depth_write = true}};
+    case StrategyKind::reference:
+      break;
+  }
+  return {};
+}
+
+void resize_image(const View& view, PixelFormat format, Image& image) {
+  image.width = view.width;
+  image.height = view.height;
+  image.format = format;
+  image.pixels.resize(static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height));
+}
+
+}  // namespace
+
+bool Strategy::draws_in_order() const {
+  return kind != StrategyKind::depth_prepass && kind != StrategyKind::depth_write && kind != StrategyKind::reference;
+}
+
+std::string Strategy::name() const {
+  for (const NamedKind& named : kinds) {
+    if (named.kind != kind) continue;
+    std::string text(named.name);
+    if (kind == StrategyKind::facet_sort) text.append(method_separator).append(method_name(method));
+    return text;
+  }
+  return {};
+}
+
+std::vector<Strategy> all_strategies() {
+  std::vector<Strategy> strategies;
+  for (const NamedKind& named : kinds) {
+    if (named.kind == StrategyKind::facet_sort) {
+      for (const Method method : all_methods()) strategies.push_back({named.kind, method});
+    } else {
+      strategies.push_back({.kind = named.kind});
+    }
+  }
+  return strategies;
+}
+
+std::optional<Strategy> strategy_from_name(std::string_view name) {
+  const std::size_t separator = name.find(method_separator);
+  const std::string_view kind_name = name.substr(0, separator);
+  for (const NamedKind& named : kinds) {
+    if (named.name != kind_name) continue;
+    if (named.kind != StrategyKind::facet_sort) {
+      return separator == std::string_view::npos ? std::optional(Strategy{.kind = named.kind}) : std::nullopt;
+    }
+    if (separator == std::string_view::npos) return Strategy{.kind = named.kind};
+    const std::optional<Method> method = method_from_name(name.substr(separator + 1));
+    if (method) return Strategy{named.kind, *method};
+  }
+  return std::nullopt;
+}
+
+struct StrategyRenderer::State {
+  MeshView mesh;
+  Strategy strategy;
+  std::vector<DrawPass> passes;
+  std::optional<Sorter> sorter;
+  std::vector<std::uint32_t> index_order;  // of the strategies that do not sort
+  std::span<const std::uint32_t> order;
+  std::vector<glm::vec4> colours;
+  Rasteriser rasteriser;
+};
+
+StrategyRenderer::StrategyRenderer(const MeshView& mesh, const Strategy& strategy) : state_(std::make_unique<State>()) {
+  state_->mesh = mesh;
+  state_->strategy = strategy;
+  state_->passes = draw_passes(strategy.kind);
+  if (strategy.kind == StrategyKind::facet_sort) {
+    state_->sorter.emplace(mesh, strategy.method);
+  } else if (strategy.kind != StrategyKind::reference) {
+    state_->index_order.resize(mesh.facet_count());
+    std::iota(state_->index_order.begin(), state_->index_order.end(), 0u);
+    state_->order = state_->index_order;
+  }
+}
+
+StrategyRenderer::StrategyRenderer(StrategyRenderer&&) noexcept = default;
+StrategyRenderer& StrategyRenderer::operator=(StrategyRenderer&&) noexcept = default;
+StrategyRenderer::~StrategyRenderer() = default;
+
+void StrategyRenderer::order(const View& view) {
+  if (state_->sorter) state_->order = state_->sorter->sort({view.homogeneous_eye(), view.forward()});
+}
+
+DrawStatistics StrategyRenderer::draw(const View& view, PixelFormat format, Image& image) {
+  State& state = *state_;
+  if (state.strategy.kind == StrategyKind::reference) {
+    const FragmentLists lists = collect_fragments(state.mesh, view);
+    blend_lists(state.mesh, view, lists, format, image);
+    return {.facets_drawn = lists.facets_drawn};
+  }
+  if (has_one_colour_per_facet(state.mesh)) facet_colours(state.mesh, view.homogeneous_eye(), state.colours);
+  return state.rasteriser.draw(state.mesh, view, state.order, state.colours, state.passes, background, format, image);
+}
+
+void StrategyRenderer::draw_coverage(const View& view, Image& image) {
+  State& state = *state_;
+  if (state.strategy.kind == StrategyKind::reference) {
+    const FragmentLists lists = collect_fragments(state.mesh, view);
+    resize_image(view, PixelFormat::rgba32f, image);
+    for (std::size_t pixel = 0; pixel < image.pixels.size(); ++pixel) {
+      image.pixels[pixel] = glm::vec4(static_cast<float>(lists.pixel(pixel).size()), 0, 0, 0);
+    }
+    return;
+  }
+  // Premultiplied source-over with alpha 0 adds: each fragment counts 1 in red.
+  const std::vector<glm::vec4> ones(state.mesh.facet_count(), glm::vec4(1, 0, 0, 0));
+  state.rasteriser.draw(state.mesh, view, state.order, ones, state.passes, glm::vec4(0), PixelFormat::rgba32f, image);
+}
+
+void StrategyRenderer::ranks(const View& view, std::vector<std::uint32_t>& rank) const {
+  const State& state = *state_;
+  rank.assign(state.mesh.facet_count(), not_drawn);
+  blend_internal::ProjectedMesh projected;
+  projected.project(state.mesh, view);
+  std::uint32_t next = 0;
+  for (const DrawPass& pass : state.passes) {
+    for (const std::uint32_t facet : state.order) {
+      if (pass.cull != Cull::none) {
+        // A facet seen edge-on covers nothing: it may go with either side.
+        const bool front = blend_internal::facet_facing(projected, facet) >= 0;
+        if (front == (pass.cull == Cull::front_faces)) continue;
+      }
+      rank[facet] = next++;
+    }
+  }
+}
+
+const Strategy& StrategyRenderer::strategy() const { return state_->strategy; }
+
+int StrategyRenderer::passes() const {
+  return state_->strategy.kind == StrategyKind::reference ? 1 : static_cast<int>(state_->passes.size());
+}
+
+std::size_t StrategyRenderer::prepared_bytes() const { return state_->sorter ? state_->sorter->prepared_bytes() : 0; }
+
+void blend_lists(const MeshView& mesh, const View& view, const FragmentLists& lists, PixelFormat format,
+                 Image& image) {
+  resize_image(view, format, image);
+  const glm::vec4 eye = view.homogeneous_eye();
+  const Camera camera(view);
+  const bool eight_bits = format == PixelFormat::rgba8;
+  const float scale = eight_bits ? 255.0f : 1.0f;
+  std::vector<glm::vec4> colours;
+  if (has_one_colour_per_facet(mesh)) facet_colours(mesh, eye, colours);
+
+  const auto rounded = [&](glm::vec4 colour) {
+    if (!eight_bits) return colour;
+    for (int k = 0; k < 4; ++k) colour[k] = std::nearbyint(colour[k]);
+    return colour;
+  };
+  parallel_ranges(image.pixels.size(), pixels_per_task, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t pixel = begin; pixel < end; ++pixel) {
+      glm::vec4 blended = rounded(background * scale);
+      const int x = static_cast<int>(pixel) % image.width, y = static_cast<int>(pixel) / image.width;
+      for (const Fragment& fragment : lists.pixel(pixel)) {
+        const glm::vec4 source = colours.empty()
+                                     ? fragment_colour(mesh, fragment.facet, camera.pixel_ray(x, y), eye)
+                                     : colours[fragment.facet];
+        blended = rounded(source * scale + blended * (1.0f - source.a));
+      }
+      image.pixels[pixel] = eight_bits ? blended * (1.0f / 255.0f) : blended;
+    }
+  });
+}
+
+}  // namespace facetsort
