@@ -158,13 +158,17 @@ void Sorter::write_indices(const SortView& view, std::span<const glm::uvec3> tri
   });
 }
 
-std::size_t Sorter::memory_bytes() const {
-  std::size_t bytes = keys_.capacity() * sizeof(float) + order_.capacity() * sizeof(std::uint32_t) +
-                      (entries_.capacity() + scratch_.capacity()) * sizeof(std::uint64_t);
+std::size_t Sorter::prepared_bytes() const {
+  std::size_t bytes = 0;
   for (const PointArrays& points : points_) {
     bytes += (points.x.capacity() + points.y.capacity() + points.z.capacity()) * sizeof(float);
   }
   return bytes;
+}
+
+std::size_t Sorter::memory_bytes() const {
+  return prepared_bytes() + keys_.capacity() * sizeof(float) + order_.capacity() * sizeof(std::uint32_t) +
+         (entries_.capacity() + scratch_.capacity()) * sizeof(std::uint64_t);
 }
 
 std::vector<std::uint32_t> sort_facets(const MeshView& mesh, const SortView& view, Method method) {

@@ -48,7 +48,8 @@ class Sorter {
   // The key of each facet for the last view sorted, by facet id: larger is farther. Comparable within one view only.
   std::span<const float> keys() const { return keys_; }
   Method method() const { return method_; }
-  // Bytes that this Sorter holds.
+  // Bytes that this Sorter holds: what construction made, and with the scratch of sort().
+  std::size_t prepared_bytes() const;
   std::size_t memory_bytes() const;
 
  private:
