@@ -1,0 +1,196 @@
+#include "facetsort/check/verdict.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <vector>
+
+#include "facetsort/base/parallel.h"
+
+namespace facetsort {
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+// A fragment that the order draws. Its true depth lies in [lowest, highest].
+struct DrawnFragment {
+  double depth, lowest, highest;
+  std::uint32_t rank, facet;
+};
+
+DrawnFragment drawn_fragment(const Fragment& fragment, std::uint32_t rank) {
+  DrawnFragment drawn{fragment.depth, fragment.depth, fragment.depth, rank, fragment.facet};
+  const double error = static_cast<double>(fragment.depth_error);
+  if (error > 0) {  // rounded outwards: the interval must hold the true depth
+    drawn.lowest = std::nextafter(fragment.depth - error, -infinity);
+    drawn.highest = std::nextafter(fragment.depth + error, infinity);
+  }
+  return drawn;
+}
+
+bool is_beyond(const DrawnFragment& far, const DrawnFragment& near, double gap) {
+  return far.depth - near.depth > gap && far.lowest > near.highest;
+}
+
+// How many of the ranks inserted so far are above a given one, in O(log n) (Fenwick 1994, "A New Data Structure for
+// Cumulative Frequency Tables").
+class RankCounter {
+ public:
+  void reset(const std::vector<DrawnFragment>& fragments) {
+    ranks_.clear();
+    for (const DrawnFragment& fragment : fragments) ranks_.push_back(fragment.rank);
+    std::sort(ranks_.begin(), ranks_.end());
+    sums_.assign(ranks_.size() + 1, 0);
+    inserted_ = 0;
+  }
+  void insert(std::uint32_t rank) {
+    for (std::size_t i = place(rank); i < sums_.size(); i += i & (~i + 1)) ++sums_[i];
+    ++inserted_;
+  }
+  std::size_t count_above(std::uint32_t rank) const {
+    std::size_t not_above = 0;
+    for (std::size_t i = place(rank); i > 0; i &= i - 1) not_above += sums_[i];
+    return inserted_ - not_above;
+  }
+
+ private:
+  // 1-based position of a rank that is in the table.
+  std::size_t place(std::uint32_t rank) const {
+    return static_cast<std::size_t>(std::lower_bound(ranks_.begin(), ranks_.end(), rank) - ranks_.begin()) + 1;
+  }
+
+  std::vector<std::uint32_t> ranks_;
+  std::vector<std::uint32_t> sums_;
+  std::size_t inserted_ = 0;
+};
+
+// Judges one pixel after the other, keeping its scratch.
+class PixelJudge {
+ public:
+  PixelJudge(std::span<const std::uint32_t> rank, double gap) : rank_(rank), gap_(gap) {}
+
+  void judge(std::span<const Fragment> pixel, std::size_t pixel_index, Verdict& verdict) {
+    if (pixel.empty()) return;
+    ++verdict.covered_pixels;
+    fragments_.clear();
+    for (const Fragment& fragment : pixel) {
+      assert(fragment.facet < rank_.size());
+      const std::uint32_t rank = rank_[fragment.facet];
+      if (rank != not_drawn) fragments_.push_back(drawn_fragment(fragment, rank));
+    }
+    verdict.uncovered_fragments += pixel.size() - fragments_.size();
+    if (is_in_order()) return;
+
+    const Pair worst = worst_pair();
+    if (!(worst.backtrack > 0)) return;
+    ++verdict.inverted_pixels;
+    verdict.inverted_pairs += count_inverted_pairs();
+    if (worst.backtrack > verdict.worst_backtrack) {
+      verdict.worst_backtrack = worst.backtrack;
+      verdict.worst_pixel = pixel_index;
+      verdict.worst_far_facet = worst.far_facet;
+      verdict.worst_near_facet = worst.near_facet;
+    }
+  }
+
+ private:
+  struct Pair {
+    double backtrack = 0;
+    std::uint32_t far_facet = 0, near_facet = 0;
+  };
+
+  bool is_in_order() const {
+    return std::is_sorted(fragments_.begin(), fragments_.end(),
+                          [](const DrawnFragment& a, const DrawnFragment& b) { return a.rank < b.rank; });
+  }
+
+  // The inverted pair that is farthest apart, of equal ones that with the smallest ids. For each near fragment the
+  // farthest one with a larger rank is found by bisection, as the largest rank so far only grows along the list; it is
+  // nearly always the answer, and where its error bound is too wide the search goes on towards the near fragment.
+  Pair worst_pair() {
+    largest_rank_.clear();
+    for (const DrawnFragment& fragment : fragments_)
+      largest_rank_.push_back(largest_rank_.empty() ? fragment.rank : std::max(largest_rank_.back(), fragment.rank));
+    Pair worst;
+    for (std::size_t near = 1; near < fragments_.size(); ++near) {
+      const DrawnFragment& n = fragments_[near];
+      const auto first = std::upper_bound(largest_rank_.begin(), largest_rank_.begin() + near, n.rank);
+      for (auto far = static_cast<std::size_t>(first - largest_rank_.begin()); far < near; ++far) {
+        const DrawnFragment& f = fragments_[far];
+        const double backtrack = f.depth - n.depth;
+        if (backtrack <= gap_ || backtrack < worst.backtrack) break;
+        if (f.rank <= n.rank || !is_beyond(f, n, gap_)) continue;
+        if (backtrack > worst.backtrack || std::pair(f.facet, n.facet) < std::pair(worst.far_facet, worst.near_facet))
+          worst = {backtrack, f.facet, n.facet};
+        break;
+      }
+    }
+    return worst;
+  }
+
+  // Exact, in O(n log n) and the number of pairs within the gap: a sweep counts the pairs whose depth intervals are
+  // apart, then those of them that the gap leaves unjudged are taken away.
+  std::size_t count_inverted_pairs() {
+    far_order_ = fragments_;
+    near_order_ = fragments_;
+    std::sort(far_order_.begin(), far_order_.end(),
+              [](const DrawnFragment& a, const DrawnFragment& b) { return a.lowest > b.lowest; });
+    std::sort(near_order_.begin(), near_order_.end(),
+              [](const DrawnFragment& a, const DrawnFragment& b) { return a.highest > b.highest; });
+    counter_.reset(fragments_);
+    std::size_t pairs = 0;
+    std::size_t far = 0;
+    for (const DrawnFragment& near : near_order_) {
+      while (far < far_order_.size() && far_order_[far].lowest > near.highest) counter_.insert(far_order_[far++].rank);
+      pairs += counter_.count_above(near.rank);
+    }
+
+    for (std::size_t near = 1; near < fragments_.size(); ++near) {
+      const DrawnFragment& n = fragments_[near];
+      for (std::size_t i = near; i > 0 && fragments_[i - 1].depth - n.depth <= gap_; --i) {
+        const DrawnFragment& f = fragments_[i - 1];
+        pairs -= f.rank > n.rank && f.lowest > n.highest;
+      }
+    }
+    return pairs;
+  }
+
+  std::span<const std::uint32_t> rank_;
+  double gap_;
+  std::vector<DrawnFragment> fragments_, far_order_, near_order_;
+  std::vector<std::uint32_t> largest_rank_;
+  RankCounter counter_;
+};
+
+}  // namespace
+
+Verdict judge_order(const FragmentLists& lists, std::span<const std::uint32_t> rank, const JudgeOptions& options) {
+  assert(options.bounding_radius > 0 && options.gap_radii >= 0);
+  const auto width = static_cast<std::size_t>(lists.width);
+  std::vector<Verdict> rows(static_cast<std::size_t>(lists.height));
+  parallel_ranges(rows.size(), 4, [&](std::size_t begin, std::size_t end) {
+    PixelJudge judge(rank, options.gap_radii * options.bounding_radius);
+    for (std::size_t y = begin; y < end; ++y)
+      for (std::size_t p = y * width; p < (y + 1) * width; ++p) judge.judge(lists.pixel(p), p, rows[y]);
+  });
+
+  Verdict total;
+  for (const Verdict& row : rows) {
+    total.covered_pixels += row.covered_pixels;
+    total.inverted_pixels += row.inverted_pixels;
+    total.inverted_pairs += row.inverted_pairs;
+    total.uncovered_fragments += row.uncovered_fragments;
+    if (row.worst_backtrack > total.worst_backtrack) {
+      total.worst_backtrack = row.worst_backtrack;
+      total.worst_pixel = row.worst_pixel;
+      total.worst_far_facet = row.worst_far_facet;
+      total.worst_near_facet = row.worst_near_facet;
+    }
+  }
+  total.worst_backtrack /= options.bounding_radius;
+  return total;
+}
+
+}  // namespace facetsort
