@@ -1,0 +1,17 @@
+// One string out of many pieces.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace facetsort {
+
+// The parts, each something that a string_view can be made of, one after the other.
+template <typename... Parts>
+std::string join(const Parts&... parts) {
+  std::string text;
+  ((text += std::string_view(parts)), ...);
+  return text;
+}
+
+}  // namespace facetsort

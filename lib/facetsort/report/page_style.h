@@ -1,0 +1,11 @@
+// The look of index.html.
+#pragma once
+
+#include <string_view>
+
+namespace facetsort {
+
+extern const std::string_view page_style;   // CSS
+extern const std::string_view page_script;  // JavaScript; the page is complete without it
+
+}  // namespace facetsort
