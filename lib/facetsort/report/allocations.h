@@ -1,6 +1,6 @@
 // Counting what a piece of code allocates. A program that uses this links facetsort_allocation_counter, which replaces
 // the global operator new and delete; memory taken in other ways (malloc, mmap, the scalable allocators of oneTBB) is
-// not seen.
+// not seen. Internal to our programs.
 #pragma once
 
 #include <cstddef>

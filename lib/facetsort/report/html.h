@@ -1,4 +1,4 @@
-// Text from outside (mesh names, commands, paths) on its way into a page.
+// Text from outside (mesh names, commands, paths) on its way into a page. Internal to report.
 #pragma once
 
 #include <string>

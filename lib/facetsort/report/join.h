@@ -1,4 +1,4 @@
-// One string out of many pieces.
+// One string out of many pieces. Internal to report.
 #pragma once
 
 #include <string>

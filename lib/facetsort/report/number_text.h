@@ -1,4 +1,5 @@
-// Numbers for people: a few significant digits, no exponents, the same in every locale.
+// Numbers for people: a few significant digits, no exponents, the same in every locale. Internal to report and
+// our programs.
 #pragma once
 
 #include <cstddef>

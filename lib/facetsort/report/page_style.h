@@ -1,4 +1,4 @@
-// The look of index.html.
+// The look of index.html. Internal to report.
 #pragma once
 
 #include <string_view>

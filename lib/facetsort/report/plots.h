@@ -1,4 +1,4 @@
-// Plots of error against run time, drawn by gnuplot as SVG that goes inside a page.
+// Plots of error against run time, drawn by gnuplot as SVG that goes inside a page. Internal to report.
 #pragma once
 
 #include <span>

@@ -1,4 +1,5 @@
 // Output files appear whole or not at all: written under a temporary name in the same folder, then renamed.
+// Internal to report and our programs.
 #pragma once
 
 #include <unistd.h>

@@ -1,0 +1,38 @@
+// The public headers, in pipeline order: mesh, facets, order, exact decisions, blend, check, report.
+#pragma once
+
+// clang-format off: sorting would lose the pipeline order.
+#include "facetsort/base/parallel.h"
+#include "facetsort/base/status.h"
+
+#include "facetsort/mesh/mesh_view.h"
+#include "facetsort/mesh/mesh.h"
+#include "facetsort/mesh/read.h"
+#include "facetsort/mesh/inspect.h"
+#include "facetsort/mesh/write.h"
+
+#include "facetsort/facets/facets.h"
+
+#include "facetsort/order/method.h"
+#include "facetsort/order/sorter.h"
+
+#include "facetsort/exact/predicates.h"
+#include "facetsort/exact/facts.h"
+
+#include "facetsort/blend/view.h"
+#include "facetsort/blend/shading.h"
+#include "facetsort/blend/image.h"
+#include "facetsort/blend/rasteriser.h"
+#include "facetsort/blend/fragment_lists.h"
+#include "facetsort/blend/strategy.h"
+
+#include "facetsort/check/verdict.h"
+#include "facetsort/check/embree_referee.h"
+
+#include "facetsort/report/row.h"
+#include "facetsort/report/timing.h"
+#include "facetsort/report/image_file.h"
+#include "facetsort/report/difference_image.h"
+#include "facetsort/report/summary.h"
+#include "facetsort/report/write_report.h"
+// clang-format on
