@@ -1,0 +1,182 @@
+#include "facetsort/blend/strategy.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <set>
+
+#include "facetsort/blend/shading.h"
+#include "shapes.h"
+#include "support/mesh_files.h"
+
+namespace facetsort {
+namespace {
+
+View view_of(const Mesh& mesh, Projection projection = Projection::perspective) {
+  const Box box = facet_bounds(mesh.view());
+  View view = default_view(box, box.centre() + 2.5f * box.radius() * glm::vec3(0.48f, 0.36f, 0.8f), projection);
+  view.width = view.height = 128;
+  return view;
+}
+
+Image picture(const Mesh& mesh, const View& view, const Strategy& strategy) {
+  StrategyRenderer renderer(mesh.view(), strategy);
+  renderer.order(view);
+  Image image;
+  renderer.draw(view, PixelFormat::rgba32f, image);
+  return image;
+}
+
+std::size_t wrong_pixels(const Mesh& mesh, const View& view, StrategyKind kind) {
+  const Image reference = picture(mesh, view, {.kind = StrategyKind::reference});
+  const std::vector<unsigned char> all(reference.pixels.size(), 1);
+  return compare_images(picture(mesh, view, {.kind = kind}), reference, all).wrong_pixels;
+}
+
+TEST(Strategy, NamesAreDistinctAndKnown) {
+  std::set<std::string> names;
+  for (const Strategy& strategy : all_strategies()) {
+    EXPECT_TRUE(names.insert(strategy.name()).second);
+    EXPECT_EQ(strategy_from_name(strategy.name()), strategy);
+  }
+  EXPECT_EQ(names.size(), 12u);
+  EXPECT_EQ(strategy_from_name("facet_sort:parametric_centre"), strategy_from_name("facet_sort:centroid_depth"));
+  EXPECT_EQ(strategy_from_name("facet_sort"), strategy_from_name("facet_sort:centroid_distance"));
+  for (const char* unknown : {"", "sorted", "facet_sort:", "facet_sort:nothing", "unsorted:centroid_depth", "unsorted:"}) {
+    EXPECT_FALSE(strategy_from_name(unknown).has_value()) << unknown;
+  }
+}
+
+TEST(Strategy, CullingPassesAreExactOnAConvexMeshAndDoubleSidedIsTheReverse) {
+  const Mesh sphere = shapes::icosphere(3);
+  for (const Projection projection : {Projection::perspective, Projection::orthographic}) {
+    const View view = view_of(sphere, projection);
+    EXPECT_EQ(wrong_pixels(sphere, view, StrategyKind::separate_culling_pass), 0u);
+    EXPECT_EQ(wrong_pixels(sphere, view, StrategyKind::facet_sort), 0u);
+    EXPECT_GT(wrong_pixels(sphere, view, StrategyKind::double_sided), 3000u);
+  }
+}
+
+TEST(Strategy, RanksAreTheSequenceInWhichFacetsAreDrawn) {
+  const Mesh mesh = load("teapot_1k");
+  const View view = view_of(mesh);
+  const FragmentLists lists = collect_fragments(mesh.view(), view);
+  std::vector<glm::vec4> colours;
+  facet_colours(mesh.view(), view.homogeneous_eye(), colours);
+  for (const Strategy& strategy : all_strategies()) {
+    if (!strategy.draws_in_order()) continue;
+    SCOPED_TRACE(strategy.name());
+    StrategyRenderer renderer(mesh.view(), strategy);
+    renderer.order(view);
+    std::vector<std::uint32_t> rank;
+    renderer.ranks(view, rank);
+    std::vector<std::uint32_t> sorted = rank;
+    std::sort(sorted.begin(), sorted.end());
+    for (std::uint32_t k = 0; k < sorted.size(); ++k) ASSERT_EQ(sorted[k], k);
+
+    Image image;
+    renderer.draw(view, PixelFormat::rgba32f, image);
+    for (std::size_t pixel = 0; pixel < image.pixels.size(); ++pixel) {
+      std::vector<Fragment> fragments(lists.pixel(pixel).begin(), lists.pixel(pixel).end());
+      std::sort(fragments.begin(), fragments.end(),
+                [&](const Fragment& a, const Fragment& b) { return rank[a.facet] < rank[b.facet]; });
+      glm::vec4 blended = background;
+      for (const Fragment& fragment : fragments) {
+        const glm::vec4& source = colours[fragment.facet];
+        blended = source + blended * (1.0f - source.a);
+      }
+      ASSERT_EQ(image.pixels[pixel], blended);
+    }
+  }
+}
+
+TEST(Strategy, DepthPrepassShowsTheNearestSurfaceAlone) {
+  const Mesh mesh = load("teapot_1k");
+  const View view = view_of(mesh);
+  const FragmentLists lists = collect_fragments(mesh.view(), view);
+  std::vector<glm::vec4> colours;
+  facet_colours(mesh.view(), view.homogeneous_eye(), colours);
+  const Image image = picture(mesh, view, {.kind = StrategyKind::depth_prepass});
+  const double float_step = 1e-6 * static_cast<double>(facet_bounds(mesh.view()).radius());
+  std::size_t compared = 0;
+  for (std::size_t pixel = 0; pixel < image.pixels.size(); ++pixel) {
+    const auto fragments = lists.pixel(pixel);
+    // Two layers nearer to each other than float32 depth can tell: either may be in front.
+    if (fragments.size() > 1 && fragments[fragments.size() - 2].depth - fragments.back().depth < float_step) continue;
+    glm::vec4 expected = background;
+    if (!fragments.empty()) {
+      const glm::vec4& source = colours[fragments.back().facet];
+      expected = source + background * (1.0f - source.a);
+      ++compared;
+    }
+    ASSERT_EQ(image.pixels[pixel], expected);
+  }
+  EXPECT_GT(compared, 2000u);
+}
+
+TEST(Strategy, DepthWriteKeepsWhatIsNotBehindWhatWasDrawn) {
+  const Mesh mesh = load("teapot_1k");
+  const View view = view_of(mesh, Projection::orthographic);
+  const FragmentLists lists = collect_fragments(mesh.view(), view);
+  std::vector<glm::vec4> colours;
+  facet_colours(mesh.view(), view.homogeneous_eye(), colours);
+  const Image image = picture(mesh, view, {.kind = StrategyKind::depth_write});
+  std::size_t differing = 0;
+  for (std::size_t pixel = 0; pixel < image.pixels.size(); ++pixel) {
+    std::vector<Fragment> fragments(lists.pixel(pixel).begin(), lists.pixel(pixel).end());
+    std::sort(fragments.begin(), fragments.end(),
+              [](const Fragment& a, const Fragment& b) { return a.facet < b.facet; });
+    glm::vec4 blended = background;
+    float nearest = INFINITY;
+    for (const Fragment& fragment : fragments) {
+      if (static_cast<float>(fragment.depth) > nearest) continue;
+      nearest = static_cast<float>(fragment.depth);
+      const glm::vec4& source = colours[fragment.facet];
+      blended = source + blended * (1.0f - source.a);
+    }
+    differing += image.pixels[pixel] != blended;
+  }
+  EXPECT_LE(differing, 3u) << "depths that differ in the last bit of a float32";
+}
+
+TEST(Strategy, CoverageIsCountedByTheSamePasses) {
+  const Mesh mesh = load("teapot_1k");
+  const View view = view_of(mesh);
+  const FragmentLists lists = collect_fragments(mesh.view(), view);
+  for (const Strategy& strategy : all_strategies()) {
+    SCOPED_TRACE(strategy.name());
+    StrategyRenderer renderer(mesh.view(), strategy);
+    renderer.order(view);
+    Image coverage;
+    renderer.draw_coverage(view, coverage);
+    std::size_t fewer = 0;
+    for (std::size_t pixel = 0; pixel < coverage.pixels.size(); ++pixel) {
+      const auto layers = static_cast<float>(lists.pixel(pixel).size());
+      ASSERT_LE(coverage.pixels[pixel].r, layers);
+      fewer += coverage.pixels[pixel].r < layers;
+    }
+    const bool discards = strategy.kind == StrategyKind::depth_prepass || strategy.kind == StrategyKind::depth_write;
+    EXPECT_EQ(fewer > 0, discards);
+  }
+}
+
+TEST(Strategy, ReferenceBlendsEveryFragmentByItsOwnDepth) {
+  const Mesh mesh = shapes::interpenetrating(2);
+  const View view = view_of(mesh);
+  const FragmentLists lists = collect_fragments(mesh.view(), view);
+  std::vector<glm::vec4> colours;
+  facet_colours(mesh.view(), view.homogeneous_eye(), colours);
+  const Image image = picture(mesh, view, {.kind = StrategyKind::reference});
+  for (std::size_t pixel = 0; pixel < image.pixels.size(); ++pixel) {
+    glm::vec4 blended = background;
+    for (const Fragment& fragment : lists.pixel(pixel)) {
+      blended = colours[fragment.facet] + blended * (1.0f - colours[fragment.facet].a);
+    }
+    ASSERT_EQ(image.pixels[pixel], blended);
+  }
+  EXPECT_GT(wrong_pixels(mesh, view, StrategyKind::unsorted), 1000u);
+}
+
+}  // namespace
+}  // namespace facetsort

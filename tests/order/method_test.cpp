@@ -1,0 +1,27 @@
+#include "facetsort/order/method.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace facetsort {
+namespace {
+
+TEST(Method, NamesAreDistinctAndKnown) {
+  std::set<std::string_view> names;
+  for (const Method method : all_methods()) {
+    EXPECT_TRUE(names.insert(method_name(method)).second);
+    EXPECT_EQ(method_from_name(method_name(method)), method);
+  }
+  EXPECT_EQ(names.size(), 6u);
+}
+
+TEST(Method, KnowsTheAliasAndNothingElse) {
+  EXPECT_EQ(method_from_name("parametric_centre"), Method::centroid_depth);
+  EXPECT_FALSE(method_from_name("").has_value());
+  EXPECT_FALSE(method_from_name("centroid").has_value());
+  EXPECT_FALSE(method_from_name("Centroid_Distance").has_value());
+}
+
+}  // namespace
+}  // namespace facetsort
