@@ -19,6 +19,7 @@
 #include <cstdint>
 #include <functional>
 #include <numeric>
+#include <span>
 #include <tuple>
 #include <utility>
 #include <vector>
@@ -331,8 +332,8 @@ Components find_components(const MeshView& mesh, const std::vector<std::uint32_t
     }
   };
   for_each_edge([&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin + 1; i < end; ++i) {
-      const FacetId a = find_root(parent, half_edges[begin].facet), b = find_root(parent, half_edges[i].facet);
+    for (const HalfEdge& half_edge : std::span(half_edges).subspan(begin + 1, end - begin - 1)) {
+      const FacetId a = find_root(parent, half_edges[begin].facet), b = find_root(parent, half_edge.facet);
       parent[std::max(a, b)] = std::min(a, b);
     }
   });
