@@ -15,7 +15,9 @@
 namespace facetsort {
 namespace {
 
-bool is_finite(const glm::vec3& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
+bool is_finite(const glm::vec3& p) {
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+}
 
 // A vertex under the bits of its position, which sort cheaply; the order they give has no meaning but equality.
 struct PositionKey {
@@ -117,8 +119,8 @@ void count_edges(const std::vector<glm::uvec3>& facets, MeshFacts& facts) {
     if (is_collapsed(facets[f])) continue;
     for (int i = 0; i < 3; ++i) {
       const std::uint32_t from = facets[f][i], to = facets[f][(i + 1) % 3];
-      sides.push_back({std::uint64_t{std::min(from, to)} << 32 | std::max(from, to), static_cast<std::uint32_t>(f),
-                       from < to});
+      sides.push_back(
+          {std::uint64_t{std::min(from, to)} << 32 | std::max(from, to), static_cast<std::uint32_t>(f), from < to});
     }
   }
   tbb::parallel_sort(sides.begin(), sides.end());

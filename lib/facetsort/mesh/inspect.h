@@ -19,7 +19,7 @@ struct MeshFacts {
   std::size_t facets = 0;
   std::size_t vertices = 0;              // as listed
   std::size_t distinct_positions = 0;    // of vertices that facets use
-  std::size_t components = 0;            // facets connected through shared edges
+  std::size_t components = 0;            // facets connected through shared edges, collapsed facets left out
   std::size_t edges = 0;                 // distinct, collapsed facets left out
   std::size_t boundary_edges = 0;        // with one facet
   std::size_t non_manifold_edges = 0;    // with three facets and more

@@ -1,6 +1,7 @@
 #include "facetsort/mesh/plain_ply.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cerrno>
 #include <charconv>
 #include <cstdio>
@@ -17,7 +18,9 @@ struct CloseFile {
   void operator()(std::FILE* file) const { std::fclose(file); }
 };
 
-std::string describe(int error) { return std::generic_category().message(error); }
+std::string describe(int error) {
+  return std::generic_category().message(error);
+}
 
 }  // namespace
 
@@ -36,7 +39,8 @@ void scale_to_unit(std::vector<glm::vec4>& colours, const char* list) {
   const bool to_255 = std::any_of(colours.begin(), colours.end(), above_one);
   for (std::size_t i = 0; i < colours.size(); ++i) {
     glm::vec4& colour = colours[i];
-    if (colour == no_colour) colour = glm::vec4(1);
+    if (colour == no_colour)
+      colour = glm::vec4(1);
     else if (to_255) {
       if (glm::floor(colour) != colour || glm::any(glm::greaterThan(colour, glm::vec4(255)))) {
         throw ReadError{Fault::malformed, std::string(list) + ": number " + std::to_string(i) +
@@ -73,10 +77,7 @@ void PlainText::add_vertex(std::string_view x, std::string_view y, std::string_v
 }
 
 void PlainText::begin_face(std::size_t corners) {
-  if (corners < 3) {
-    throw ReadError{Fault::malformed,
-                    "facet " + std::to_string(faces_) + " has " + std::to_string(corners) + " corners, fewer than 3"};
-  }
+  assert(corners >= 3);
   face_lines_ += '\n';
   face_lines_ += std::to_string(corners);
   ++faces_;

@@ -70,7 +70,7 @@ class PlainText {
   std::size_t vertex_count() const { return vertices_; }
   std::size_t face_count() const { return faces_; }
   void add_vertex(std::string_view x, std::string_view y, std::string_view z);
-  // Throws ReadError where there are fewer than three.
+  // Precondition: three corners or more.
   void begin_face(std::size_t corners);
   void add_corner(std::string_view index);
   void add_corner(std::size_t index);

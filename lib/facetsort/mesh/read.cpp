@@ -55,7 +55,9 @@ class StrictNumbers : public std::num_get<char> {
   }
 };
 
-bool is_finite(const glm::vec3& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
+bool is_finite(const glm::vec3& p) {
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+}
 
 // Takes vertices and faces down as they come: no half-edge mesh is built, which would refuse non-manifold ones.
 class Importer : public OpenMesh::IO::BaseImporter {

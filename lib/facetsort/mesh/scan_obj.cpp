@@ -169,8 +169,7 @@ class Scanner {
   std::size_t resolve(std::string_view corner, std::size_t face) const {
     const std::size_t slash = corner.find('/');
     const std::optional<std::int64_t> index = text::parse_integer<std::int64_t>(corner.substr(0, slash));
-    const bool is_rest_indices =
-        slash == corner.npos || corner.find_first_not_of("0123456789-/", slash) == corner.npos;
+    const bool is_rest_indices = slash == corner.npos || corner.find_first_not_of("0123456789-/", slash) == corner.npos;
     if (!index || !is_rest_indices) {
       throw ReadError{Fault::malformed, at_line(lines_.number()) + "facet " + std::to_string(face) +
                                             " has a corner that is no index: " + std::string(corner.substr(0, 40))};
@@ -236,6 +235,8 @@ class Scanner {
 
 }  // namespace
 
-PlainPly scan_obj(std::string_view file, const std::filesystem::path& folder) { return Scanner(file, folder).scan(); }
+PlainPly scan_obj(std::string_view file, const std::filesystem::path& folder) {
+  return Scanner(file, folder).scan();
+}
 
 }  // namespace facetsort

@@ -13,7 +13,9 @@ struct OffHeader {
   std::size_t vertices = 0, faces = 0;
 };
 
-std::string at_line(const text::Lines& lines) { return "line " + std::to_string(lines.number()) + ": "; }
+std::string at_line(const text::Lines& lines) {
+  return "line " + std::to_string(lines.number()) + ": ";
+}
 
 // Leaves `lines` at the line of the counts.
 OffHeader read_header(text::Lines& lines) {
@@ -64,8 +66,8 @@ glm::vec4 read_colour(const text::Lines& lines, std::size_t first, std::size_t c
 }
 
 [[noreturn]] void throw_truncated(std::size_t read, std::size_t promised, const char* what) {
-  throw ReadError{Fault::truncated, "truncated: " + std::to_string(read) + " of " + std::to_string(promised) + " " +
-                                        what + " read"};
+  throw ReadError{Fault::truncated,
+                  "truncated: " + std::to_string(read) + " of " + std::to_string(promised) + " " + what + " read"};
 }
 
 // x y z [normal] [colour] [texture coordinates]
@@ -78,8 +80,8 @@ void scan_vertices(text::Lines& lines, const OffHeader& header, PlainText& plain
     if (words < least_words && lines.is_cut()) throw_truncated(v, header.vertices, "vertices");
     const std::size_t channels = words < least_words ? 1 : words - least_words;
     if (channels != 0 && !(header.colours && (channels == 3 || channels == 4))) {
-      throw ReadError{Fault::malformed, at_line(lines) + "vertex " + std::to_string(v) + " has " +
-                                            std::to_string(words) + " numbers"};
+      throw ReadError{Fault::malformed,
+                      at_line(lines) + "vertex " + std::to_string(v) + " has " + std::to_string(words) + " numbers"};
     }
     plain.add_vertex(lines.words()[0], lines.words()[1], lines.words()[2]);
     if (header.colours) colours.push_back(read_colour(lines, colour_at, channels));
@@ -91,21 +93,23 @@ void scan_faces(text::Lines& lines, const OffHeader& header, PlainText& plain, s
   bool any_colour = false;
   for (std::size_t f = 0; f < header.faces; ++f) {
     if (!lines.next()) throw_truncated(f, header.faces, "facets");
-    const std::string facet = at_line(lines) + "facet " + std::to_string(f);
+    const auto malformed = [&](const std::string& what) {
+      return ReadError{Fault::malformed, at_line(lines) + "facet " + std::to_string(f) + " has " + what};
+    };
     const std::optional<std::size_t> corners = text::parse_integer<std::size_t>(lines.words()[0]);
-    if (!corners) throw ReadError{Fault::malformed, facet + " has no count of corners"};
+    if (!corners) throw malformed("no count of corners");
+    if (*corners < 3) throw malformed(std::to_string(*corners) + " corners, fewer than 3");
     const std::size_t words = lines.words().size() - 1;
     if (words < *corners) {
       if (lines.is_cut()) throw_truncated(f, header.faces, "facets");
-      throw ReadError{Fault::malformed,
-                      facet + " has " + std::to_string(words) + " of " + std::to_string(*corners) + " corners"};
+      throw malformed(std::to_string(words) + " of " + std::to_string(*corners) + " corners");
     }
     plain.begin_face(*corners);
     for (std::size_t i = 1; i <= *corners; ++i) plain.add_corner(lines.words()[i]);
     // One word is an entry of a colour map, which the file does not have.
     const std::size_t more = words - *corners, channels = more == 1 ? 0 : more;
     if (channels == 2 || channels > 4) {
-      throw ReadError{Fault::malformed, facet + " has " + std::to_string(more) + " words behind its corners"};
+      throw malformed(std::to_string(more) + " words behind its corners");
     }
     any_colour |= channels != 0;
     colours.insert(colours.end(), *corners - 2, read_colour(lines, *corners + 1, channels));

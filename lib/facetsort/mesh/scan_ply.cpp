@@ -90,7 +90,8 @@ class HeaderReader {
   void next_line() {
     if (line_ == 0) {
       const std::size_t end = file_.find_first_of("\r\n");
-      newline_ = file_.substr(end == file_.npos ? 0 : end).starts_with('\r') && file_.substr(end, 2) != "\r\n" ? '\r' : '\n';
+      newline_ =
+          file_.substr(end == file_.npos ? 0 : end).starts_with('\r') && file_.substr(end, 2) != "\r\n" ? '\r' : '\n';
     }
     const std::size_t end = file_.find(newline_, offset_);
     if (end == file_.npos) throw ReadError{Fault::truncated, "truncated: no end_header"};
@@ -109,8 +110,8 @@ class HeaderReader {
     if (name == "ascii") return Encoding::ascii;
     if (name == "binary_little_endian") return Encoding::little_endian;
     if (name == "binary_big_endian") return Encoding::big_endian;
-    throw ReadError{Fault::unsupported_format, "header line " + std::to_string(line_) + ": unknown format " +
-                                                   std::string(name.substr(0, 40))};
+    throw ReadError{Fault::unsupported_format,
+                    "header line " + std::to_string(line_) + ": unknown format " + std::string(name.substr(0, 40))};
   }
 
   void add_element() {
@@ -252,8 +253,7 @@ class Body {
   bool is_line_done() const { return encoding_ != Encoding::ascii || word_ == lines_.words().size(); }
   // Of a binary body, and of a text in words that are left over.
   bool is_done() {
-    return encoding_ == Encoding::ascii ? !lines_.next()
-                                        : bytes_.find_first_not_of(" \t\r\n", offset_) == bytes_.npos;
+    return encoding_ == Encoding::ascii ? !lines_.next() : bytes_.find_first_not_of(" \t\r\n", offset_) == bytes_.npos;
   }
 
  private:
@@ -351,7 +351,7 @@ class Scanner {
       case Role::source: {
         const double source = value(element, i, *property.type, taken);
         if (source < 0 || source > std::numeric_limits<std::uint32_t>::max()) {
-          throw ReadError{Fault::malformed, name(element, i) + " has a source that is no facet id"};
+          throw ReadError{Fault::malformed, body_.at_line() + name(element, i) + " has a source that is no facet id"};
         }
         instance.source = static_cast<std::uint32_t>(source);
         return;
@@ -365,12 +365,14 @@ class Scanner {
   void scan_list(const Element& element, std::size_t i, const Property& property, Instance& instance) {
     const std::string_view count_taken = take(element, i, *property.count_type, 1);
     const double count = value(element, i, *property.count_type, count_taken);
-    if (count < 0) throw ReadError{Fault::malformed, name(element, i) + " has a list of negative length"};
+    if (count < 0) {
+      throw ReadError{Fault::malformed, body_.at_line() + name(element, i) + " has a list of negative length"};
+    }
     const std::string_view taken = take(element, i, *property.type, static_cast<std::size_t>(count));
     if (property.role != Role::corners) return;
     if (count < 3) {
-      throw ReadError{Fault::malformed, name(element, i) + " has " + std::to_string(static_cast<int>(count)) +
-                                            " corners, fewer than 3"};
+      throw ReadError{Fault::malformed, body_.at_line() + name(element, i) + " has " +
+                                            std::to_string(static_cast<int>(count)) + " corners, fewer than 3"};
     }
     instance.corners = static_cast<std::size_t>(count);
     face_bytes_ += count_taken;
@@ -397,8 +399,8 @@ class Scanner {
   double value(const Element& element, std::size_t i, const Type& type, std::string_view taken) const {
     const std::optional<double> number = body_.value(type, taken);
     if (!number) {
-      throw ReadError{Fault::malformed, body_.at_line() + name(element, i) + " has a value that is no " +
-                                            std::string(type.name)};
+      throw ReadError{Fault::malformed,
+                      body_.at_line() + name(element, i) + " has a value that is no " + std::string(type.name)};
     }
     return *number;
   }
@@ -433,9 +435,9 @@ class Scanner {
       corner_type = property.type->name;
       count_type = property.count_type->size == 1 ? "uchar" : property.count_type->size == 2 ? "uint16" : "int";
     }
-    const std::string_view encoding = is_text()                                    ? "ascii"
+    const std::string_view encoding = is_text()                                  ? "ascii"
                                       : header_.encoding == Encoding::big_endian ? "binary_big_endian"
-                                                                                   : "binary_little_endian";
+                                                                                 : "binary_little_endian";
     plain_.vertices = vertex_element_->count;
     plain_.faces = face_element_->count;
     plain_.bytes = plain_header(encoding, vertex_properties, std::string(count_type) + " " + std::string(corner_type),
@@ -455,6 +457,8 @@ class Scanner {
 
 }  // namespace
 
-PlainPly scan_ply(std::string_view file) { return Scanner(file).scan(); }
+PlainPly scan_ply(std::string_view file) {
+  return Scanner(file).scan();
+}
 
 }  // namespace facetsort

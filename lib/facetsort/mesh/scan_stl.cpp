@@ -19,14 +19,15 @@ std::uint32_t little_endian(std::string_view bytes) {
   return value;
 }
 
-std::size_t promised_facets(std::string_view file) { return little_endian(file.substr(header_size, count_size)); }
+std::size_t promised_facets(std::string_view file) {
+  return little_endian(file.substr(header_size, count_size));
+}
 
 // The first word tells nothing: many binary files start with "solid" too. No text has a zero byte, and hardly any
 // binary file is without one.
 bool is_binary(std::string_view file) {
-  return file.find('\0') != file.npos ||
-         (file.size() >= header_size + count_size &&
-          file.size() == header_size + count_size + promised_facets(file) * facet_size);
+  return file.find('\0') != file.npos || (file.size() >= header_size + count_size &&
+                                          file.size() == header_size + count_size + promised_facets(file) * facet_size);
 }
 
 PlainPly scan_binary(std::string_view file) {
@@ -90,6 +91,7 @@ class TextScanner {
       plain_.add_vertex(lines_.words()[1], lines_.words()[2], lines_.words()[3]);
     }
     if (!is("endloop")) throw unexpected("vertex or endloop");
+    if (corners < 3) throw unexpected("a third vertex");
     plain_.begin_face(corners);
     for (std::size_t i = corners; i > 0; --i) plain_.add_corner(plain_.vertex_count() - i);
     advance();
@@ -103,9 +105,8 @@ class TextScanner {
   }
 
   ReadError truncated() const {
-    return {Fault::truncated,
-            "truncated: no endsolid after line " + std::to_string(lines_.number()) + ", " +
-                std::to_string(plain_.face_count()) + " facets read"};
+    return {Fault::truncated, "truncated: no endsolid after line " + std::to_string(lines_.number()) + ", " +
+                                  std::to_string(plain_.face_count()) + " facets read"};
   }
 
   ReadError unexpected(const std::string& expected) const {

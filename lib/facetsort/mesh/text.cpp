@@ -17,7 +17,8 @@ std::optional<float> parse_float(std::string_view word) {
   // exponent does.
   double wide = 0;
   error = std::from_chars(word.data(), last, wide).ec;
-  const bool large = error == std::errc{} ? std::abs(wide) > 1 : word.find("e-") == word.npos && word.find("E-") == word.npos;
+  const bool large =
+      error == std::errc{} ? std::abs(wide) > 1 : word.find("e-") == word.npos && word.find("E-") == word.npos;
   const float magnitude = large ? std::numeric_limits<float>::infinity() : std::abs(static_cast<float>(wide));
   return word[0] == '-' ? -magnitude : magnitude;
 }

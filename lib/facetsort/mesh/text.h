@@ -11,7 +11,9 @@
 
 namespace facetsort::text {
 
-inline bool is_space(char c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
+inline bool is_space(char c) {
+  return c == ' ' || (c >= '\t' && c <= '\r');
+}
 
 // The whole word as an integer; a leading + is allowed.
 template <typename Integer>

@@ -81,7 +81,9 @@ void put(std::string& bytes, std::uint32_t value) {
   for (int shift = 0; shift < 32; shift += 8) bytes += static_cast<char>(value >> shift & 0xff);
 }
 
-void put(std::string& bytes, float value) { put(bytes, std::bit_cast<std::uint32_t>(value)); }
+void put(std::string& bytes, float value) {
+  put(bytes, std::bit_cast<std::uint32_t>(value));
+}
 
 void put_colour(std::string& bytes, const glm::vec4& colour) {
   for (int c = 0; c < 4; ++c) {
@@ -92,8 +94,7 @@ void put_colour(std::string& bytes, const glm::vec4& colour) {
 }
 
 std::string header(const MeshView& mesh, bool has_source) {
-  const std::string colour =
-      "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n";
+  const std::string colour = "property uchar red\nproperty uchar green\nproperty uchar blue\nproperty uchar alpha\n";
   std::string text = "ply\nformat binary_little_endian 1.0\n";
   text += "element vertex " + std::to_string(mesh.vertex_count()) + "\n";
   text += "property float x\nproperty float y\nproperty float z\n";
