@@ -1,0 +1,14 @@
+// The groups of benchmarks. Each benchmark checks the result of the last frame that it timed, and is reported as an
+// error where that is wrong.
+#pragma once
+
+namespace facetsort::bench {
+
+// sort/METHOD/MESH: facet ids. sort_indices/METHOD/MESH: the reordered index buffer.
+void register_sort_benchmarks();
+// draw/FORMAT/MESH: the blend target at 1024 x 1024, facets already in order.
+void register_draw_benchmarks();
+// collect_fragments/MESH: per-pixel lists at 512 x 512.
+void register_fragment_benchmarks();
+
+}  // namespace facetsort::bench
