@@ -19,7 +19,7 @@ std::uint32_t hash(std::uint32_t id) {
   return id ^ (id >> 16);
 }
 
-// To [0, 1], without a branch: hues are random, so one would be mispredicted. Exact at and beyond both ends.
+// To [0, 1], without a branch: hues are random, so one would be mispredicted.
 float clamped(float value) {
   return 0.5f * (1 + std::abs(value) - std::abs(value - 1));
 }
@@ -62,7 +62,8 @@ std::array<double, 3> barycentric(const MeshView& mesh, std::uint32_t facet, con
 }  // namespace
 
 glm::vec4 default_facet_colour(std::uint32_t facet) {
-  const float hue = static_cast<float>(hash(facet) >> 8) * (6.0f / 0x1p24f);  // [0, 6): red, yellow, green, ... red
+  // [0, 6): red, yellow, green, ... red; 16 bits, so that all that follows is exact.
+  const float hue = static_cast<float>(hash(facet) >> 16) * (6.0f / 0x1p16f);
   return {clamped(std::abs(hue - 3) - 1), clamped(2 - std::abs(hue - 2)), clamped(2 - std::abs(hue - 4)),
           default_alpha};
 }

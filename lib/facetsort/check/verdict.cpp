@@ -4,6 +4,7 @@
 #include <cassert>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -34,34 +35,25 @@ bool is_beyond(const DrawnFragment& far, const DrawnFragment& near, double gap) 
   return far.depth - near.depth > gap && far.lowest > near.highest;
 }
 
-// How many of the ranks inserted so far are above a given one, in O(log n) (Fenwick 1994, "A New Data Structure for
-// Cumulative Frequency Tables").
+// How many of the ranks inserted so far are above a given one, in O(log n), for ranks 0 to n - 1 (Fenwick 1994, "A New
+// Data Structure for Cumulative Frequency Tables").
 class RankCounter {
  public:
-  void reset(const std::vector<DrawnFragment>& fragments) {
-    ranks_.clear();
-    for (const DrawnFragment& fragment : fragments) ranks_.push_back(fragment.rank);
-    std::sort(ranks_.begin(), ranks_.end());
-    sums_.assign(ranks_.size() + 1, 0);
+  void reset(std::size_t ranks) {
+    sums_.assign(ranks + 1, 0);
     inserted_ = 0;
   }
   void insert(std::uint32_t rank) {
-    for (std::size_t i = place(rank); i < sums_.size(); i += i & (~i + 1)) ++sums_[i];
+    for (std::size_t i = std::size_t{rank} + 1; i < sums_.size(); i += i & (~i + 1)) ++sums_[i];
     ++inserted_;
   }
   std::size_t count_above(std::uint32_t rank) const {
     std::size_t not_above = 0;
-    for (std::size_t i = place(rank); i > 0; i &= i - 1) not_above += sums_[i];
+    for (std::size_t i = std::size_t{rank} + 1; i > 0; i &= i - 1) not_above += sums_[i];
     return inserted_ - not_above;
   }
 
  private:
-  // 1-based position of a rank that is in the table.
-  std::size_t place(std::uint32_t rank) const {
-    return static_cast<std::size_t>(std::lower_bound(ranks_.begin(), ranks_.end(), rank) - ranks_.begin()) + 1;
-  }
-
-  std::vector<std::uint32_t> ranks_;
   std::vector<std::uint32_t> sums_;
   std::size_t inserted_ = 0;
 };
@@ -85,6 +77,7 @@ class PixelJudge {
 
     const Pair worst = worst_pair();
     if (!(worst.backtrack > 0)) return;
+    number_ranks();
     ++verdict.inverted_pixels;
     verdict.inverted_pairs += count_inverted_pairs();
     if (worst.backtrack > verdict.worst_backtrack) {
@@ -130,6 +123,15 @@ class PixelJudge {
     return worst;
   }
 
+  // Makes the ranks 0 to n - 1, in the same order.
+  void number_ranks() {
+    by_rank_.resize(fragments_.size());
+    std::iota(by_rank_.begin(), by_rank_.end(), 0u);
+    std::sort(by_rank_.begin(), by_rank_.end(),
+              [&](std::uint32_t a, std::uint32_t b) { return fragments_[a].rank < fragments_[b].rank; });
+    for (std::uint32_t i = 0; i < by_rank_.size(); ++i) fragments_[by_rank_[i]].rank = i;
+  }
+
   // Exact, in O(n log n) and the number of pairs within the gap: a sweep counts the pairs whose depth intervals are
   // apart, then those of them that the gap leaves unjudged are taken away.
   std::size_t count_inverted_pairs() {
@@ -139,7 +141,7 @@ class PixelJudge {
               [](const DrawnFragment& a, const DrawnFragment& b) { return a.lowest > b.lowest; });
     std::sort(near_order_.begin(), near_order_.end(),
               [](const DrawnFragment& a, const DrawnFragment& b) { return a.highest > b.highest; });
-    counter_.reset(fragments_);
+    counter_.reset(fragments_.size());
     std::size_t pairs = 0;
     std::size_t far = 0;
     for (const DrawnFragment& near : near_order_) {
@@ -160,7 +162,7 @@ class PixelJudge {
   std::span<const std::uint32_t> rank_;
   double gap_;
   std::vector<DrawnFragment> fragments_, far_order_, near_order_;
-  std::vector<std::uint32_t> largest_rank_;
+  std::vector<std::uint32_t> largest_rank_, by_rank_;
   RankCounter counter_;
 };
 
