@@ -1,0 +1,145 @@
+#include "measure.h"
+
+#include <cmath>
+#include <cstdint>
+#include <optional>
+
+#include "facetsort/check/verdict.h"
+#include "facetsort/report/allocations.h"
+#include "facetsort/report/summary.h"
+#include "facetsort/report/timing.h"
+#include "failure.h"
+#include "ties.h"
+
+namespace facetsort {
+namespace {
+
+// More than this share without an answer, and the measure is not judged.
+bool too_many(std::size_t unjudged, std::size_t all) {
+  return static_cast<double>(unjudged) > most_unjudged * static_cast<double>(all);
+}
+
+double rate(std::size_t part, std::size_t whole) {
+  return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
+}
+
+Image blank_picture(const View& view, PixelFormat format) {
+  const auto pixels = static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height);
+  return {view.width, view.height, format, std::vector<glm::vec4>(pixels)};
+}
+
+// Order, picture and cost; the picture goes to `picture`.
+void measure_cost(const InputMesh& input, StrategyRenderer& renderer, const RefereedView& refereed, std::size_t repeats,
+                  Row& row, Image& picture) {
+  const View& view = refereed.view;
+  picture = blank_picture(view, refereed.format);  // its memory is not the strategy's
+  {
+    const AllocationScope allocations;
+    renderer.order(view);
+    row.facets_drawn = renderer.draw(view, refereed.format, picture).facets_drawn;
+    row.peak_bytes = allocations.count().peak_bytes;
+  }
+  row.order = time_median([&] { renderer.order(view); }, repeats, 0);
+  row.blend = time_median([&] { renderer.draw(view, refereed.format, picture); }, repeats, 0);
+  row.passes = renderer.passes();
+  row.prepared_bytes = renderer.prepared_bytes();
+  row.pieces = row.triangles_out = input.mesh.triangles.size();  // nothing is cut
+}
+
+void judge_picture(const Image& picture, const RefereedView& refereed, Row& row) {
+  const ImageError error = compare_images(picture, refereed.reference, refereed.apart);
+  row.covered_pixels = refereed.covered_pixels;
+  row.rmse = error.rmse;
+  row.max_error = error.max_error;
+  row.unjudged_pixels = compare_images(picture, refereed.reference, refereed.tied).wrong_pixels;
+  if (too_many(row.unjudged_pixels, row.covered_pixels)) return;
+  row.wrong_pixels = error.wrong_pixels;
+  row.wrong_rate = rate(error.wrong_pixels, row.covered_pixels);
+}
+
+void judge_draw_order(const InputMesh& input, const StrategyRenderer& renderer, const RefereedView& refereed,
+                      Row& row) {
+  row.embree_rays = refereed.hits.rays;
+  row.embree_unjudged = refereed.hits.unjudged_rays;
+  if (!renderer.strategy().draws_in_order()) return;
+  std::vector<std::uint32_t> rank;
+  renderer.ranks(refereed.view, rank);
+  const JudgeOptions options{.bounding_radius = input.radius};
+  const Verdict verdict = judge_order(refereed.lists, rank, options);
+  row.inverted_pixels = verdict.inverted_pixels;
+  row.inverted_rate = rate(verdict.inverted_pixels, verdict.covered_pixels);
+  row.worst_backtrack = verdict.worst_backtrack;
+  if (too_many(row.embree_unjudged, row.embree_rays)) return;
+  row.embree_inverted = judge_order(refereed.hits.lists, rank, options).inverted_pixels;
+}
+
+// Nothing for the strategies that discard fragments on purpose.
+std::optional<std::size_t> count_miscovered(StrategyRenderer& renderer, const RefereedView& refereed) {
+  const StrategyKind kind = renderer.strategy().kind;
+  if (kind == StrategyKind::depth_prepass || kind == StrategyKind::depth_write) return std::nullopt;
+  Image coverage;
+  renderer.draw_coverage(refereed.view, coverage);
+  std::size_t miscovered = 0;
+  for (std::size_t pixel = 0; pixel < coverage.pixels.size(); ++pixel) {
+    miscovered += coverage.pixels[pixel].r != static_cast<float>(refereed.lists.pixel(pixel).size());
+  }
+  return miscovered;
+}
+
+}  // namespace
+
+RefereedView referee_view(const InputMesh& input, const EmbreeReferee& referee, const View& view, PixelFormat format) {
+  RefereedView refereed;
+  refereed.view = view;
+  refereed.format = format;
+  refereed.lists = collect_fragments(input.mesh.view(), view);
+  blend_lists(input.mesh.view(), view, refereed.lists, format, refereed.reference);
+  refereed.tied = tied_pixels(refereed.lists, JudgeOptions{}.gap_radii * input.radius);
+  refereed.apart.resize(refereed.tied.size());
+  for (std::size_t pixel = 0; pixel < refereed.tied.size(); ++pixel) {
+    const bool covered = !refereed.lists.pixel(pixel).empty();
+    refereed.covered_pixels += covered;
+    refereed.apart[pixel] = covered && !refereed.tied[pixel];
+  }
+  refereed.hits = require(referee.cast(view));
+  return refereed;
+}
+
+Agreement compare_referees(const InputMesh& input, const RefereedView& refereed) {
+  Image picture;
+  blend_lists(input.mesh.view(), refereed.view, refereed.hits.lists, refereed.format, picture);
+  Agreement agreement;
+  std::vector<unsigned char> apart(picture.pixels.size()), tied(picture.pixels.size());
+  for (std::size_t pixel = 0; pixel < picture.pixels.size(); ++pixel) {
+    const bool covered = !refereed.lists.pixel(pixel).empty() || !refereed.hits.lists.pixel(pixel).empty();
+    const bool judged = covered && refereed.hits.judged[pixel];
+    agreement.judged += judged;
+    tied[pixel] = judged && refereed.tied[pixel];
+    apart[pixel] = judged && !refereed.tied[pixel];
+  }
+  agreement.judged -= compare_images(picture, refereed.reference, tied).wrong_pixels;
+  agreement.agreeing = agreement.judged - compare_images(picture, refereed.reference, apart).wrong_pixels;
+  return agreement;
+}
+
+MeasuredStrategy measure_strategy(const InputMesh& input, const Strategy& strategy, const RefereedView& refereed,
+                                  std::size_t repeats) {
+  MeasuredStrategy measured;
+  Row& row = measured.row;
+  row.mesh = input.name;
+  row.facets = input.mesh.triangles.size();
+  row.eye = refereed.view.eye;
+  row.projection = refereed.view.projection == Projection::perspective ? "perspective" : "orthographic";
+  row.strategy = strategy.name();
+  if (strategy.kind == StrategyKind::facet_sort) row.method = method_name(strategy.method);
+
+  std::optional<StrategyRenderer> renderer;
+  row.prepare_ms = time_median([&] { renderer.emplace(input.mesh.view(), strategy); }, 1, 0).median_ms;
+  measure_cost(input, *renderer, refereed, repeats, row, measured.picture);
+  judge_picture(measured.picture, refereed, row);
+  judge_draw_order(input, *renderer, refereed, row);
+  row.miscovered_pixels = count_miscovered(*renderer, refereed);
+  return measured;
+}
+
+}  // namespace facetsort

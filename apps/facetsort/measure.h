@@ -1,0 +1,49 @@
+// One row of a comparison: what a strategy costs in a view, and how wrong it is there.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "facetsort/blend/fragment_lists.h"
+#include "facetsort/blend/image.h"
+#include "facetsort/blend/strategy.h"
+#include "facetsort/blend/view.h"
+#include "facetsort/check/embree_referee.h"
+#include "facetsort/report/row.h"
+#include "input_mesh.h"
+
+namespace facetsort {
+
+// What both referees know of a view: found once, and every strategy is judged by it.
+struct RefereedView {
+  View view;
+  PixelFormat format = PixelFormat::rgba32f;
+  FragmentLists lists;
+  Image reference;  // the lists, blended
+  // One a pixel: covered pixels whose layers are all apart in depth, and those where two layers tie.
+  std::vector<unsigned char> apart, tied;
+  std::size_t covered_pixels = 0;
+  RayHits hits;
+};
+
+// Throws Failure where Embree refuses the view.
+RefereedView referee_view(const InputMesh& input, const EmbreeReferee& referee, const View& view, PixelFormat format);
+
+// Pixels that both referees cover or one does, without those that Embree can't judge and those in which a difference
+// is one between layers that tie.
+struct Agreement {
+  std::size_t judged = 0;
+  std::size_t agreeing = 0;  // of those: Embree's own picture equals the reference within a display step
+};
+Agreement compare_referees(const InputMesh& input, const RefereedView& refereed);
+
+struct MeasuredStrategy {
+  Row row;  // all but its `view`, the place in the view set
+  Image picture;
+};
+
+// Draws `repeats` times after an untimed first frame, whose allocations are counted. Parallel in the caller's arena.
+MeasuredStrategy measure_strategy(const InputMesh& input, const Strategy& strategy, const RefereedView& refereed,
+                                  std::size_t repeats);
+
+}  // namespace facetsort
