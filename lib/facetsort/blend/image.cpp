@@ -26,6 +26,13 @@ double difference(float value, float reference) {
 
 }  // namespace
 
+bool differs_visibly(const glm::vec4& pixel, const glm::vec4& reference) {
+  for (int channel = 0; channel < 4; ++channel) {
+    if (difference(pixel[channel], reference[channel]) > display_step) return true;
+  }
+  return false;
+}
+
 ImageError compare_images(const Image& image, const Image& reference, const std::vector<unsigned char>& covered) {
   assert(image.width == reference.width && image.height == reference.height);
   assert(image.pixels.size() == reference.pixels.size() && covered.size() == image.pixels.size());
@@ -45,8 +52,7 @@ ImageError compare_images(const Image& image, const Image& reference, const std:
           largest_colour = std::max(largest_colour, d);
         }
         row.largest = std::max(row.largest, largest_colour);
-        const double largest_channel = std::max(largest_colour, difference(image.pixels[p].a, reference.pixels[p].a));
-        row.wrong_pixels += largest_channel > display_step;
+        row.wrong_pixels += differs_visibly(image.pixels[p], reference.pixels[p]);
       }
     }
   });

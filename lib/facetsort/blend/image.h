@@ -21,9 +21,12 @@ struct Image {
   std::size_t pixel_count() const { return pixels.size(); }
 };
 
+// Whether some channel differs by more than one display step (1/255), or is no number.
+bool differs_visibly(const glm::vec4& pixel, const glm::vec4& reference);
+
 // How far a picture is from the reference picture.
 struct ImageError {
-  std::size_t wrong_pixels = 0;  // some channel differs by more than one display step (1/255)
+  std::size_t wrong_pixels = 0;  // differs_visibly()
   double rmse = 0;               // over linear RGB of the covered pixels
   double max_error = 0;          // largest difference in linear RGB
 };

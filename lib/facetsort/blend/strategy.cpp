@@ -1,11 +1,11 @@
 #include "facetsort/blend/strategy.h"
 
-#include <cmath>
 #include <numeric>
 
 #include "facetsort/base/parallel.h"
 #include "facetsort/blend/coverage.h"
 #include "facetsort/blend/shading.h"
+#include "facetsort/blend/source_over.h"
 
 namespace facetsort {
 namespace {
@@ -192,27 +192,20 @@ void blend_lists(const MeshView& mesh, const View& view, const FragmentLists& li
   resize_image(view, format, image);
   const glm::vec4 eye = view.homogeneous_eye();
   const Camera camera(view);
-  const bool eight_bits = format == PixelFormat::rgba8;
-  const float scale = eight_bits ? 255.0f : 1.0f;
+  const SourceOver blend(format);
   std::vector<glm::vec4> colours;
   if (has_one_colour_per_facet(mesh)) facet_colours(mesh, eye, colours);
-
-  const auto rounded = [&](glm::vec4 colour) {
-    if (!eight_bits) return colour;
-    for (int k = 0; k < 4; ++k) colour[k] = std::nearbyint(colour[k]);
-    return colour;
-  };
   parallel_ranges(image.pixels.size(), pixels_per_task, [&](std::size_t begin, std::size_t end) {
     for (std::size_t pixel = begin; pixel < end; ++pixel) {
-      glm::vec4 blended = rounded(background * scale);
+      glm::vec4 blended = blend.clear(background);
       const int x = static_cast<int>(pixel) % image.width, y = static_cast<int>(pixel) / image.width;
       for (const Fragment& fragment : lists.pixel(pixel)) {
         const glm::vec4 source = colours.empty()
                                      ? fragment_colour(mesh, fragment.facet, camera.pixel_ray(x, y), eye)
                                      : colours[fragment.facet];
-        blended = rounded(source * scale + blended * (1.0f - source.a));
+        blended = blend.over(source, blended);
       }
-      image.pixels[pixel] = eight_bits ? blended * (1.0f / 255.0f) : blended;
+      image.pixels[pixel] = blend.finish(blended);
     }
   });
 }
