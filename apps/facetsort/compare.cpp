@@ -131,9 +131,10 @@ void compare_on_mesh(const InputMesh& mesh, const CompareOptions& options, const
     progress.show(where + "referees");
     const RefereedView refereed = referee_view(mesh, referee, views[static_cast<std::size_t>(index)], options.format);
     fragments += refereed.lists.fragments.size();
-    covered_pixels += refereed.covered_pixels;
-    for (std::size_t pixel = 0; pixel < refereed.tied.size(); ++pixel) {
-      summary.most_layers = std::max(summary.most_layers, refereed.lists.pixel(pixel).size());
+    for (std::size_t pixel = 0; pixel < refereed.reference.pixels.size(); ++pixel) {
+      const std::size_t layers = refereed.lists.pixel(pixel).size();
+      covered_pixels += layers > 0;
+      summary.most_layers = std::max(summary.most_layers, layers);
     }
     const Agreement in_view = compare_referees(mesh, refereed);
     agreement.judged += in_view.judged;

@@ -34,6 +34,12 @@ ExitStatus fail(std::string message) {
   return ExitStatus::failed;
 }
 
+std::string verb_names(const std::vector<Verb>& verbs) {
+  std::string names;
+  for (const Verb& verb : verbs) names += (names.empty() ? "" : ", ") + verb.command->get_name();
+  return names;
+}
+
 // An arena may have more threads than the machine, or fewer; the global limit also holds for what Embree starts.
 ExitStatus run_on_threads(const Verb& verb, int threads) {
   std::optional<tbb::global_control> limit;
@@ -53,7 +59,7 @@ ExitStatus run(int argc, char** argv) {
       "facetsort");
   program.set_version_flag("--version", "facetsort " FACETSORT_VERSION);
   program.get_formatter()->column_width(help_column);
-  program.require_subcommand(1);
+  program.require_subcommand(0, 1);  // none, and what stands in its place, are told below
   program.footer(
       "facetsort VERB --help tells a verb's options and has an example.\n"
       "Exit status: 0 done; 1 the answer is no; 2 bad usage or bad input, with one line that says which.");
@@ -70,7 +76,9 @@ ExitStatus run(int argc, char** argv) {
     return fail(error.what());
   }
   const auto named = [](const Verb& verb) { return verb.command->parsed(); };
-  return run_on_threads(*std::find_if(verbs.begin(), verbs.end(), named), common.threads);
+  const auto verb = std::find_if(verbs.begin(), verbs.end(), named);
+  if (verb == verbs.end()) return fail("a verb is needed: " + verb_names(verbs) + "; see facetsort --help");
+  return run_on_threads(*verb, common.threads);
 }
 
 ExitStatus run_and_report(int argc, char** argv) {

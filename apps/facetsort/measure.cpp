@@ -4,12 +4,12 @@
 #include <cstdint>
 #include <optional>
 
+#include "facetsort/check/picture_verdict.h"
 #include "facetsort/check/verdict.h"
 #include "facetsort/report/allocations.h"
 #include "facetsort/report/summary.h"
 #include "facetsort/report/timing.h"
 #include "failure.h"
-#include "ties.h"
 
 namespace facetsort {
 namespace {
@@ -46,15 +46,16 @@ void measure_cost(const InputMesh& input, StrategyRenderer& renderer, const Refe
   row.pieces = row.triangles_out = input.mesh.triangles.size();  // nothing is cut
 }
 
-void judge_picture(const Image& picture, const RefereedView& refereed, Row& row) {
-  const ImageError error = compare_images(picture, refereed.reference, refereed.apart);
-  row.covered_pixels = refereed.covered_pixels;
-  row.rmse = error.rmse;
-  row.max_error = error.max_error;
-  row.unjudged_pixels = compare_images(picture, refereed.reference, refereed.tied).wrong_pixels;
+void judge(const InputMesh& input, const Image& picture, const RefereedView& refereed, Row& row) {
+  const PictureVerdict verdict = judge_picture(input.mesh.view(), refereed.view, refereed.lists, refereed.reference,
+                                               picture, {.bounding_radius = input.radius});
+  row.covered_pixels = verdict.covered_pixels;
+  row.rmse = verdict.rmse;
+  row.max_error = verdict.max_error;
+  row.unjudged_pixels = verdict.unjudged_pixels;
   if (too_many(row.unjudged_pixels, row.covered_pixels)) return;
-  row.wrong_pixels = error.wrong_pixels;
-  row.wrong_rate = rate(error.wrong_pixels, row.covered_pixels);
+  row.wrong_pixels = verdict.wrong_pixels;
+  row.wrong_rate = rate(verdict.wrong_pixels, verdict.covered_pixels);
 }
 
 void judge_draw_order(const InputMesh& input, const StrategyRenderer& renderer, const RefereedView& refereed,
@@ -94,13 +95,6 @@ RefereedView referee_view(const InputMesh& input, const EmbreeReferee& referee, 
   refereed.format = format;
   refereed.lists = collect_fragments(input.mesh.view(), view);
   blend_lists(input.mesh.view(), view, refereed.lists, format, refereed.reference);
-  refereed.tied = tied_pixels(refereed.lists, JudgeOptions{}.gap_radii * input.radius);
-  refereed.apart.resize(refereed.tied.size());
-  for (std::size_t pixel = 0; pixel < refereed.tied.size(); ++pixel) {
-    const bool covered = !refereed.lists.pixel(pixel).empty();
-    refereed.covered_pixels += covered;
-    refereed.apart[pixel] = covered && !refereed.tied[pixel];
-  }
   refereed.hits = require(referee.cast(view));
   return refereed;
 }
@@ -109,16 +103,16 @@ Agreement compare_referees(const InputMesh& input, const RefereedView& refereed)
   Image picture;
   blend_lists(input.mesh.view(), refereed.view, refereed.hits.lists, refereed.format, picture);
   Agreement agreement;
-  std::vector<unsigned char> apart(picture.pixels.size()), tied(picture.pixels.size());
   for (std::size_t pixel = 0; pixel < picture.pixels.size(); ++pixel) {
-    const bool covered = !refereed.lists.pixel(pixel).empty() || !refereed.hits.lists.pixel(pixel).empty();
-    const bool judged = covered && refereed.hits.judged[pixel];
-    agreement.judged += judged;
-    tied[pixel] = judged && refereed.tied[pixel];
-    apart[pixel] = judged && !refereed.tied[pixel];
+    if (refereed.hits.judged[pixel]) {
+      agreement.judged += !refereed.lists.pixel(pixel).empty();
+    } else {
+      picture.pixels[pixel] = refereed.reference.pixels[pixel];  // not to count
+    }
   }
-  agreement.judged -= compare_images(picture, refereed.reference, tied).wrong_pixels;
-  agreement.agreeing = agreement.judged - compare_images(picture, refereed.reference, apart).wrong_pixels;
+  const PictureVerdict verdict = judge_picture(input.mesh.view(), refereed.view, refereed.lists, refereed.reference,
+                                               picture, {.bounding_radius = input.radius});
+  agreement.agreeing = agreement.judged - verdict.wrong_pixels - verdict.unjudged_pixels;
   return agreement;
 }
 
@@ -136,7 +130,7 @@ MeasuredStrategy measure_strategy(const InputMesh& input, const Strategy& strate
   std::optional<StrategyRenderer> renderer;
   row.prepare_ms = time_median([&] { renderer.emplace(input.mesh.view(), strategy); }, 1, 0).median_ms;
   measure_cost(input, *renderer, refereed, repeats, row, measured.picture);
-  judge_picture(measured.picture, refereed, row);
+  judge(input, measured.picture, refereed, row);
   judge_draw_order(input, *renderer, refereed, row);
   row.miscovered_pixels = count_miscovered(*renderer, refereed);
   return measured;

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <vector>
 
 #include "facetsort/blend/fragment_lists.h"
 #include "facetsort/blend/image.h"
@@ -20,20 +19,16 @@ struct RefereedView {
   PixelFormat format = PixelFormat::rgba32f;
   FragmentLists lists;
   Image reference;  // the lists, blended
-  // One a pixel: covered pixels whose layers are all apart in depth, and those where two layers tie.
-  std::vector<unsigned char> apart, tied;
-  std::size_t covered_pixels = 0;
   RayHits hits;
 };
 
 // Throws Failure where Embree refuses the view.
 RefereedView referee_view(const InputMesh& input, const EmbreeReferee& referee, const View& view, PixelFormat format);
 
-// Pixels that both referees cover or one does, without those that Embree can't judge and those in which a difference
-// is one between layers that tie.
+// Covered pixels that Embree can judge, and how its own picture of them compares with the reference.
 struct Agreement {
   std::size_t judged = 0;
-  std::size_t agreeing = 0;  // of those: Embree's own picture equals the reference within a display step
+  std::size_t agreeing = 0;  // within a display step, layers that tie taken either way
 };
 Agreement compare_referees(const InputMesh& input, const RefereedView& refereed);
 

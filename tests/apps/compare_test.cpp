@@ -1,0 +1,208 @@
+// facetsort compare: files, keys, and what the figures must say of meshes whose answer is known.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "apps/run_program.h"
+#include "facetsort/blend/strategy.h"
+#include "shapes.h"
+
+namespace facetsort {
+namespace {
+
+using Json = nlohmann::json;
+
+const std::set<std::string> row_keys{"mesh",
+                                     "facets",
+                                     "view",
+                                     "eye",
+                                     "projection",
+                                     "strategy",
+                                     "method",
+                                     "facets_drawn",
+                                     "pieces",
+                                     "triangles_out",
+                                     "passes",
+                                     "prepare_ms",
+                                     "prepared_bytes",
+                                     "order_ms",
+                                     "order_ms_spread",
+                                     "blend_ms",
+                                     "blend_ms_spread",
+                                     "peak_bytes",
+                                     "covered_pixels",
+                                     "wrong_pixels",
+                                     "wrong_rate",
+                                     "inverted_pixels",
+                                     "inverted_rate",
+                                     "miscovered_pixels",
+                                     "unjudged_pixels",
+                                     "rmse",
+                                     "max_error",
+                                     "worst_backtrack",
+                                     "embree_rays",
+                                     "embree_inverted",
+                                     "embree_unjudged"};
+
+// Mesh twice over, every facet on top of another of its own.
+Mesh doubled(Mesh mesh) {
+  const std::vector<glm::uvec3> once = mesh.triangles;
+  mesh.triangles.insert(mesh.triangles.end(), once.begin(), once.end());
+  return mesh;
+}
+
+class Compare : public testing::Test {
+ protected:
+  Finished compare(std::vector<std::string> arguments, const RunOptions& options = {}) const {
+    arguments.insert(arguments.begin(), "compare");
+    arguments.insert(arguments.end(), {"--size", "64", "--repeats", "1", "--out", report_.string()});
+    return run_program(arguments, options);
+  }
+  Json results() const { return Json::parse(file_bytes(report_ / "results.json")); }
+
+  TemporaryFolder folder_;
+  std::filesystem::path report_ = folder_.path() / "made" / "report";
+  std::string shells_ = write_mesh(folder_, "shells.ply", shapes::nested_shells(3, 0.3f, 2));
+  std::string pair_ = write_mesh(folder_, "pair.ply", shapes::interpenetrating(2));
+};
+
+TEST_F(Compare, WritesTheWholeReport) {
+  const Finished finished = compare({shells_, pair_, "--views", "2"});
+  ASSERT_EQ(finished.status, 0) << finished.error;
+  EXPECT_EQ(finished.error, "");  // no progress where there is no terminal
+  const std::vector<Strategy> strategies = all_strategies();
+
+  const Json document = results();
+  EXPECT_FALSE(document.at("machine").get<std::string>().empty());
+  EXPECT_NE(document.at("command").get<std::string>().find(" compare " + shells_), std::string::npos);
+  const Json& rows = document.at("rows");
+  EXPECT_EQ(rows.size(), 2 * 2 * strategies.size());
+  for (const Json& row : rows) {
+    std::set<std::string> keys;
+    for (const auto& item : row.items()) keys.insert(item.key());
+    EXPECT_EQ(keys, row_keys);
+  }
+  const std::string csv = file_bytes(report_ / "results.csv");
+  EXPECT_EQ(static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')), rows.size() + 1);
+  const std::string page = file_bytes(report_ / "index.html");
+  for (const std::string mesh : {"shells", "pair"}) {
+    EXPECT_NE(finished.output.find(mesh), std::string::npos);
+    for (const Strategy& strategy : strategies) {
+      EXPECT_NE(finished.output.find(strategy.name()), std::string::npos);
+      std::string stem = "pictures/" + mesh + "." + strategy.name();
+      std::replace(stem.begin(), stem.end(), ':', '.');
+      for (const std::string& picture : {stem + ".png", stem + ".difference.png"}) {
+        const bool expected = strategy.kind != StrategyKind::reference || picture == stem + ".png";
+        EXPECT_EQ(std::filesystem::exists(report_ / picture), expected) << picture;
+        EXPECT_EQ(page.find(picture) != std::string::npos, expected) << picture;
+      }
+    }
+  }
+  // Nothing is left of the run but the report.
+  std::set<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(report_)) names.insert(entry.path().filename());
+  EXPECT_EQ(names, (std::set<std::string>{"results.json", "results.csv", "index.html", "pictures"}));
+}
+
+TEST_F(Compare, JudgesShellsAsTheyAre) {
+  ASSERT_EQ(compare({shells_, "--views", "2", "--ortho"}).status, 0);
+  const Json document = results();
+  EXPECT_EQ(document.at("meshes")[0].at("embree_agreement"), 1.0);
+  EXPECT_EQ(document.at("meshes")[0].at("most_layers"), 6);
+  for (const Json& row : document.at("rows")) {
+    SCOPED_TRACE(row.dump());
+    const std::string strategy = row.at("strategy");
+    EXPECT_EQ(row.at("projection"), "orthographic");
+    EXPECT_GT(row.at("covered_pixels"), 500);
+    EXPECT_EQ(row.at("unjudged_pixels"), 0);
+    EXPECT_GT(row.at("embree_rays"), 500);
+    EXPECT_GT(row.at("blend_ms"), 0.0);
+    const bool discards = strategy == "depth_prepass" || strategy == "depth_write";
+    EXPECT_EQ(row.at("miscovered_pixels"), discards ? Json(nullptr) : Json(0));
+    if (strategy == "facet_sort:centroid_distance") {
+      EXPECT_EQ(row.at("wrong_pixels"), 0);
+      EXPECT_EQ(row.at("inverted_pixels"), 0);
+      EXPECT_EQ(row.at("embree_inverted"), 0);
+      EXPECT_EQ(row.at("method"), "centroid_distance");
+      EXPECT_GT(row.at("prepared_bytes"), 0);
+    } else if (strategy == "reference") {
+      EXPECT_EQ(row.at("wrong_pixels"), 0);
+      EXPECT_TRUE(row.at("inverted_pixels").is_null());
+      EXPECT_TRUE(row.at("embree_inverted").is_null());
+      EXPECT_GT(row.at("peak_bytes"), 6 * 1000);
+    } else if (strategy == "unsorted" || strategy == "double_sided") {
+      EXPECT_GT(row.at("wrong_rate"), 0.1);
+      EXPECT_GT(row.at("inverted_rate"), 0.1);
+      EXPECT_GT(row.at("worst_backtrack"), 0.1);
+      EXPECT_GT(row.at("embree_inverted"), 50);
+      EXPECT_TRUE(row.at("method").is_null());
+    }
+  }
+}
+
+TEST_F(Compare, TakesTheStrategiesNamed) {
+  const Finished finished =
+      compare({shells_, "--views", "1", "--format", "rgba8", "--strategies",
+               "depth_write,facet_sort,facet_sort:centroid_distance,facet_sort:parametric_centre", "--json"});
+  ASSERT_EQ(finished.status, 0) << finished.error;
+  EXPECT_EQ(finished.output, file_bytes(report_ / "results.json"));
+  std::vector<std::string> strategies;
+  const Json document = Json::parse(finished.output);
+  for (const Json& row : document.at("rows")) strategies.push_back(row.at("strategy"));
+  EXPECT_EQ(strategies,
+            (std::vector<std::string>{"depth_write", "facet_sort:centroid_distance", "facet_sort:centroid_depth"}));
+}
+
+TEST_F(Compare, TiesAreNotJudged) {
+  const std::string twice = write_mesh(folder_, "twice.ply", doubled(shapes::icosphere(2)));
+  ASSERT_EQ(compare({twice, "--views", "1", "--strategies", "unsorted,facet_sort,reference"}).status, 0);
+  const Json rows = results().at("rows");
+  ASSERT_EQ(rows.size(), 3u);
+  EXPECT_GT(rows[0].at("unjudged_pixels"), 100);
+  EXPECT_TRUE(rows[0].at("wrong_pixels").is_null());
+  EXPECT_TRUE(rows[0].at("wrong_rate").is_null());
+  // Equal depths: both draw the smaller id first.
+  for (const Json& row : {rows[1], rows[2]}) {
+    EXPECT_EQ(row.at("unjudged_pixels"), 0);
+    EXPECT_EQ(row.at("wrong_pixels"), 0);
+  }
+}
+
+TEST_F(Compare, AFailureLeavesEarlierResultsAlone) {
+  ASSERT_EQ(compare({shells_, "--views", "1", "--strategies", "unsorted,reference"}).status, 0);
+  const std::string before = file_bytes(report_ / "results.json");
+  const std::string missing = (folder_.path() / "missing.ply").string();
+  const Finished bad_mesh = compare({shells_, missing});
+  EXPECT_EQ(bad_mesh.status, 2);
+  EXPECT_NE(bad_mesh.error.find(missing), std::string::npos);
+  const Finished no_plots = compare({shells_}, {.standard_output = "", .settings = {"PATH=/nowhere"}});
+  EXPECT_EQ(no_plots.status, 2);
+  EXPECT_NE(no_plots.error.find("gnuplot"), std::string::npos) << no_plots.error;
+  EXPECT_EQ(file_bytes(report_ / "results.json"), before);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(report_), {}), 4);
+}
+
+TEST_F(Compare, AnOutputThatCannotBeMadeLeavesNothing) {
+  const std::filesystem::path taken = folder_.write("taken", "a file");
+  const Finished finished = run_program({"compare", shells_, "--out", (taken / "report").string()});
+  EXPECT_EQ(finished.status, 2);
+  EXPECT_NE(finished.error.find("taken"), std::string::npos) << finished.error;
+  EXPECT_EQ(file_bytes(taken), "a file");
+}
+
+TEST_F(Compare, TwoMeshesOfOneNameAreRefused) {
+  std::filesystem::create_directory(folder_.path() / "other");
+  const std::string other = (folder_.path() / "other" / "shells.ply").string();
+  std::filesystem::copy_file(shells_, other);
+  const Finished finished = compare({shells_, other});
+  EXPECT_EQ(finished.status, 2);
+  EXPECT_NE(finished.error.find("'shells'"), std::string::npos) << finished.error;
+  EXPECT_FALSE(std::filesystem::exists(report_));
+}
+
+}  // namespace
+}  // namespace facetsort
