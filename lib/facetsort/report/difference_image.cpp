@@ -11,7 +11,7 @@ namespace {
 // The grey stays below this, in linear light (about 28 % of the sRGB range): darker than any difference colour.
 constexpr float brightest_grey = 0.065f;
 // Two 8-bit values one step apart, as floats, differ by display_step give or take this.
-constexpr float rounding = 1e-6f;
+constexpr float rounding = 0x1p-23f;
 
 // Of the four channels; NaN is as wrong as can be.
 float largest_difference(const glm::vec4& a, const glm::vec4& b) {

@@ -8,8 +8,8 @@
 
 namespace facetsort {
 
-// By extension: .exr keeps linear, premultiplied float32 RGBA to the bit; .png is sRGB-encoded, 8 bits a channel, straight alpha (what
-// the format asks for), values outside 0..1 clamped. Written under a temporary name and renamed.
+// By extension: .exr keeps linear, premultiplied float32 RGBA to the bit; .png is sRGB-encoded, 8 bits a channel,
+// straight alpha (what the format asks for), values outside 0..1 clamped. Written under a temporary name and renamed.
 // Refuses other extensions (unsupported_format) and pictures without pixels (bad_argument).
 Status write_image(const std::filesystem::path& path, const Image& image);
 

@@ -37,7 +37,7 @@ p { margin: 0 0 12px; max-width: 75ch; }
 a { color: var(--link); }
 code { font: 0.9em/1.45 ui-monospace, SFMono-Regular, Menlo, Consolas, "DejaVu Sans Mono", monospace; overflow-wrap: anywhere; }
 .muted { color: var(--muted); }
-.facts { color: var(--muted); font-size: 15px; }
+.facts { color: var(--muted); font-size: 15px; max-width: none; }
 nav ul { list-style: none; display: flex; flex-wrap: wrap; gap: 8px; margin: 16px 0 0; padding: 0; }
 nav a {
   display: block; max-width: 100%; padding: 5px 12px; border: 1px solid var(--line); border-radius: 999px;
@@ -50,12 +50,12 @@ section + section { border-top: 1px solid var(--line); margin-top: 24px; }
   padding: 14px 18px; border-left: 5px solid var(--good); border-radius: 6px; background: var(--good-panel); margin: 12px 0 16px;
 }
 .verdict.none { border-color: var(--bad); background: var(--bad-panel); }
-.verdict p { margin: 0; max-width: 95ch; overflow-wrap: anywhere; }
+.verdict p { margin: 0; max-width: none; overflow-wrap: anywhere; }
 .verdict p + p { margin-top: 6px; }
 .verdict .headline { font-size: 20px; font-weight: 650; line-height: 1.35; }
 .verdict .headline b { color: var(--good); }
 .verdict.none .headline b { color: var(--bad); }
-.box { border: 1px solid var(--line); border-radius: 8px; background: var(--panel); padding: 14px 18px; }
+.box { border: 1px solid var(--line); border-radius: 8px; background: var(--panel); padding: 14px 18px; margin-top: 20px; }
 .box dl { display: grid; grid-template-columns: max-content 1fr; gap: 6px 18px; margin: 10px 0 0; max-width: 110ch; }
 .box dt { font-weight: 650; }
 .box dd { margin: 0; }
@@ -67,7 +67,7 @@ table { border-collapse: separate; border-spacing: 0; font-size: 14px; font-vari
 th, td { padding: 6px 10px; text-align: right; white-space: nowrap; }
 thead th { vertical-align: bottom; font-weight: 600; background: var(--panel); border-bottom: 1px solid var(--line); }
 thead th small { display: block; font-weight: 400; color: var(--muted); }
-tbody th { font-weight: 400; }
+tbody th { font-weight: 400; min-width: 264px; }
 tbody tr + tr > * { border-top: 1px solid var(--line); }
 th:first-child { text-align: left; position: sticky; left: 0; background: var(--page); z-index: 1; border-right: 1px solid var(--line); }
 thead th:first-child { background: var(--panel); }
@@ -91,11 +91,11 @@ td .star::before { content: "\2605\00a0"; }
 .columns { display: grid; grid-template-columns: minmax(0, 1fr) minmax(0, 1fr); gap: 8px 32px; align-items: start; }
 figure { margin: 0; min-width: 0; }
 figcaption { font-size: 14px; }
-.plot { display: block; width: 100%; height: auto; max-width: 660px; }
+.plot { display: block; width: 100%; height: auto; max-width: 560px; }
 .plot text { fill: var(--muted); }
 .legend { list-style: none; display: flex; flex-wrap: wrap; gap: 4px 18px; padding: 0; margin: 8px 0; font-size: 14px; }
 .legend li { overflow-wrap: anywhere; }
-.legend.tall { display: block; columns: 1; }
+.columns > .legend { flex-direction: column; margin: 12px 0; }
 .mark { width: 14px; height: 14px; vertical-align: -2px; margin-right: 7px; flex: none; overflow: visible; }
 .hidden { position: absolute; width: 0; height: 0; overflow: hidden; }
 .pictures { display: grid; grid-template-columns: repeat(auto-fill, minmax(196px, 1fr)); gap: 24px 16px; margin-top: 8px; }
@@ -105,7 +105,7 @@ figcaption { font-size: 14px; }
   display: flex; align-items: center; justify-content: center; text-align: center; padding: 8px; border-radius: 4px;
   border: 1px dashed var(--line); color: var(--muted); font-size: 14px;
 }
-.pictures figcaption { order: -1; min-height: 4.6em; display: flex; flex-direction: column; justify-content: flex-end; line-height: 1.4; }
+.pictures figcaption { display: flex; flex-direction: column; line-height: 1.4; padding-top: 2px; }
 .pictures figcaption strong { font-weight: 600; overflow-wrap: anywhere; }
 .pictures .taken figcaption strong::after { content: " \2605"; color: var(--good); }
 .pictures figcaption span { color: var(--muted); font-variant-numeric: tabular-nums; }
@@ -118,9 +118,9 @@ a:focus-visible, summary:focus-visible { outline: 3px solid var(--link); outline
   .columns { grid-template-columns: minmax(0, 1fr); }
   .box dl { display: block; }
   .box dt { margin-top: 8px; }
-  tbody th, thead th:first-child { max-width: 152px; white-space: normal; overflow-wrap: anywhere; }
+  tbody th, thead th:first-child { min-width: 132px; max-width: 152px; white-space: normal; overflow-wrap: break-word; }
   .pictures { grid-template-columns: repeat(2, minmax(0, 1fr)); gap: 20px 12px; }
-  .pictures figcaption { font-size: 13px; min-height: 6.2em; }
+  .pictures figcaption { font-size: 13px; }
 }
 @media print { details.table > .scroll { overflow: visible; } nav { display: none; } }
 )css";

@@ -25,7 +25,7 @@ namespace {
 
 constexpr double least_milliseconds = 1e-6;
 constexpr double least_percent = 1e-7;
-constexpr int width = 560, height = 400;
+constexpr int width = 500, height = 390;
 
 // A folder that only this user can enter, removed with all it holds.
 class PrivateFolder {
@@ -68,8 +68,12 @@ std::string quoted(const std::string& text) {
   return result + "'";
 }
 
-double plotted_milliseconds(const PlotPoint& point) { return std::max(point.milliseconds, least_milliseconds); }
-double plotted_percent(const PlotPoint& point) { return std::max(100 * point.rate, least_percent); }
+double plotted_milliseconds(const PlotPoint& point) {
+  return std::max(point.milliseconds, least_milliseconds);
+}
+double plotted_percent(const PlotPoint& point) {
+  return std::max(100 * point.rate, least_percent);
+}
 
 // As short as the value allows: "0.001", "20".
 std::string tick_text(double value) {
@@ -113,9 +117,9 @@ PercentAxis percent_axis(const Plot& plot) {
   }
   const double lowest = std::pow(10, axis.lowest_decade);
   axis.zero = lowest / 4;
-  std::string ticks = "'0' " + number(axis.zero);
+  std::string ticks;
   for (int decade = axis.lowest_decade; decade <= 2; ++decade) {
-    ticks += ", '" + tick_text(std::pow(10, decade)) + " %%' " + number(std::pow(10, decade));
+    ticks += (ticks.empty() ? "'" : ", '") + tick_text(std::pow(10, decade)) + " %%' " + number(std::pow(10, decade));
   }
   axis.script = "set yrange [" + number(lowest / 8) + ":200]\nset ytics (" + ticks + ")\n";
   return axis;
@@ -129,7 +133,8 @@ std::string points_script(const Plot& plot, double zero) {
     const std::string place = std::to_string(i);
     clauses += (clauses.empty() ? "" : ", ") + ("$points every ::" + place + "::" + place) +
                " using 1:2 with points pointtype " + std::to_string(point.mark.symbol) +
-               (point.background ? " pointsize 0.7 linewidth 1 linecolor rgb '#A0" : " pointsize 1.25 linewidth 2 linecolor rgb '#") +
+               (point.background ? " pointsize 0.7 linewidth 1 linecolor rgb '#A0"
+                                 : " pointsize 1.25 linewidth 2 linecolor rgb '#") +
                point.mark.colour.substr(1) + "' notitle";
   }
   return "$points << EOD\n" + data + "EOD\nplot " + clauses + "\n";
@@ -139,15 +144,18 @@ std::string points_script(const Plot& plot, double zero) {
 std::string plot_script(const Plot& plot, const std::string& output) {
   const PercentAxis axis = percent_axis(plot);
   return "reset\nset terminal svg size " + std::to_string(width) + "," + std::to_string(height) +
-         " dynamic noenhanced font 'sans-serif,15' name 'plot'\nset output " + quoted(output) +
+         " dynamic noenhanced font 'sans-serif,14'\nset output " + quoted(output) +
          "\nset logscale xy\nset border 3 linecolor rgb '#808080'\nset tics nomirror scale 0.6\n"
-         "set grid linetype 1 linecolor rgb '#A0808080'\nset lmargin at screen 0.15\nset rmargin at screen 0.98\n"
-         "set tmargin at screen 0.97\nset bmargin at screen 0.15\nset xlabel 'order and blend, ms a frame'\nset ylabel " +
-         quoted(plot.rate_label) + " offset 0.5\n" + time_axis(plot) + axis.script +
+         "set grid linetype 1 linecolor rgb '#A0808080'\nset lmargin at screen 0.18\nset rmargin at screen 0.975\n"
+         "set tmargin at screen 0.97\nset bmargin at screen 0.17\nset xlabel 'order and blend, ms a frame'\nset "
+         "ylabel " +
+         quoted(plot.rate_label) + " offset 1.8\n" + time_axis(plot) + axis.script +
          "set object 1 rectangle from graph 0, graph 0 to graph 1, first " + number(100 * right_enough) +
          " behind fillcolor rgb '#1a9e77' fillstyle transparent solid 0.13 noborder\n"
-         "set arrow 1 from graph 0, first " + number(axis.zero) + " to graph 1, first " + number(axis.zero) +
-         " nohead back linecolor rgb '#808080' dashtype (4,4)\n" + points_script(plot, axis.zero);
+         "set arrow 1 from graph 0, first " +
+         number(axis.zero) + " to graph 1, first " + number(axis.zero) +
+         " nohead back linewidth 1.5 linecolor rgb '#808080' dashtype (6,4)\nset label 1 '0' at graph -0.022, first " +
+         number(axis.zero) + " right\n" + points_script(plot, axis.zero);
 }
 
 Status run_gnuplot(const std::filesystem::path& script, const std::filesystem::path& messages) {
@@ -179,7 +187,7 @@ Status run_gnuplot(const std::filesystem::path& script, const std::filesystem::p
 // Cuts [begin, end) out of `text`, both included, and returns it; empty where they are not there.
 std::string cut_out(std::string& text, const std::string& begin, const std::string& end) {
   const std::size_t from = text.find(begin);
-  const std::size_t to = from == std::string::npos ? from : text.find(end, from);
+  const std::size_t to = from == std::string::npos ? from : text.find(end, from + begin.size());
   if (to == std::string::npos) return "";
   const std::string part = text.substr(from, to + end.size() - from);
   text.erase(from, part.size());
@@ -195,14 +203,14 @@ std::string page_element(std::string document, const Plot& plot, std::string& de
   cut_out(document, "<desc>", "</desc>");
   document.erase(0, document.find('>', document.find("<svg")) + 1);
   for (std::size_t i = 0; i < plot.points.size(); ++i) {
-    const std::string name = "plot_plot_" + std::to_string(i + 1);
+    const std::string name = "gnuplot_plot_" + std::to_string(i + 1);
+    cut_out(document, " id=\"" + name, "\"");
     const std::string title = "<title>" + name + "</title>";
     if (const std::size_t place = document.find(title); place != std::string::npos) {
       document.replace(place, title.size(), "<title>" + html_escape(plot.points[i].tooltip) + "</title>");
     }
-    cut_out(document, " id=\"" + name, "\"");
   }
-  cut_out(document, " id=\"plot", "\"");  // the canvas
+  cut_out(document, " id=\"gnuplot_canvas", "\"");
   return "<svg class=\"plot\" viewBox=\"0 0 " + std::to_string(width) + " " + std::to_string(height) +
          "\" role=\"img\" aria-label=\"" + html_escape(plot.description) + "\">" + document;
 }

@@ -15,7 +15,8 @@ constexpr std::size_t number_width = 12;
 
 // Names come from files: a control character could drive the terminal.
 std::string printable(std::string text) {
-  std::replace_if(text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
+  std::replace_if(
+      text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');
   return text;
 }
 
@@ -35,15 +36,16 @@ std::string rate_text(const RateSummary& rate) {
 std::string mesh_heading(const MeshSummary& mesh) {
   std::string heading = printable(mesh.name) + ": " + count_text(mesh.facets) + " facets";
   if (mesh.most_layers > 0) {
-    heading += ", " + fixed_text(mesh.mean_layers, 1) + " layers on average, " + count_text(mesh.most_layers) + " at most";
+    heading +=
+        ", " + fixed_text(mesh.mean_layers, 1) + " layers on average, " + count_text(mesh.most_layers) + " at most";
   }
   return heading;
 }
 
 std::string recommendation_text(const MeshResults& results) {
-  if (!results.recommendation) return "  not judged: too many pixels have no right answer\n";
+  if (!results.recommendation) return "  no strategy could be judged\n";
   if (results.recommendation->is_right_enough) return "";
-  return join("  no strategy stays under ", right_enough_text, " wrong pixels here; * is the most right\n");
+  return join("  no strategy stays under ", right_enough_percent, " % wrong pixels here; * is the most right\n");
 }
 
 std::string overall_text(const Summary& summary) {
@@ -51,10 +53,10 @@ std::string overall_text(const Summary& summary) {
   const std::string& name = summary.recommendation->strategy;
   const auto overall = std::find_if(summary.overall.begin(), summary.overall.end(),
                                     [&](const OverallResults& results) { return results.strategy == name; });
-  return "Over all: " + printable(name) + " is under " + std::string(right_enough_text) + " wrong pixels on " +
-         std::to_string(overall->right_meshes) + " of " + std::to_string(overall->judged_meshes) + " meshes, " +
-         percent_text(*overall->mean_error) + " % in the mean, " + milliseconds_text(overall->median_frame_ms) +
-         " ms a frame.\n";
+  return join("Over all: ", printable(name), "\n  under ", right_enough_percent, " % wrong pixels on ",
+              count_text(overall->right_meshes), " of ", count_text(overall->judged_meshes), " meshes, ",
+              percent_text(*overall->mean_error), " % in the mean, ", milliseconds_text(overall->median_frame_ms),
+              " ms a frame\n");
 }
 
 }  // namespace
@@ -64,7 +66,8 @@ void print_summary(std::ostream& out, const Comparison& comparison) {
   std::size_t name_width = 8;
   for (const std::string& strategy : summary.strategies) name_width = std::max(name_width, strategy.size());
   out << padded_right("  strategy", name_width + 2);
-  for (const char* heading : {"inverted %", "wrong %", "order ms", "blend ms"}) out << padded_left(heading, number_width);
+  for (const char* heading : {"inverted %", "wrong %", "order ms", "blend ms"})
+    out << padded_left(heading, number_width);
   out << "\n";
   for (const MeshResults& results : summary.meshes) {
     out << "\n" << mesh_heading(results.mesh) << "\n";
@@ -78,7 +81,9 @@ void print_summary(std::ostream& out, const Comparison& comparison) {
     }
     out << recommendation_text(results);
   }
-  out << "\n* take this: the fastest under " << right_enough_text << " wrong pixels, or the most right. Rates are means, times medians, over the views.\n"
+  out << "\n* take this: the fastest under " << right_enough_percent
+      << " % wrong pixels (within 10 % is as fast), or the most right.\n"
+      << "Rates are means, times medians, over the views.\n"
       << overall_text(summary);
 }
 

@@ -14,7 +14,7 @@ namespace facetsort {
 
 // A mesh is drawn right enough when a smaller share of its covered pixels is wrong, in the mean of the views.
 inline constexpr double right_enough = 0.001;
-inline constexpr std::string_view right_enough_text = "0.1 %";
+inline constexpr std::string_view right_enough_percent = "0.1";
 // Times closer than this to the fastest are taken as equal: a repeated run would swap them.
 inline constexpr double equal_time = 1.1;
 // A view in which more of the covered pixels have no right answer is not judged.
@@ -26,8 +26,8 @@ inline constexpr std::string_view reference_strategy = "reference";
 struct RateSummary {
   std::optional<double> mean, worst;  // of the judged views; empty where none was
   std::size_t judged_views = 0;
-  bool not_judged = false;            // empty because too many pixels had no right answer, not because the measure
-                                      // does not apply to the strategy
+  bool not_judged = false;  // empty because too many pixels had no right answer, not because the measure
+                            // does not apply to the strategy
 };
 
 struct StrategySummary {

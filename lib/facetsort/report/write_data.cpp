@@ -62,7 +62,9 @@ Json row_json(const Row& row) {
 }
 
 // On one line. File names need not be UTF-8, JSON must be: bytes that are not become U+FFFD.
-std::string to_text(const Json& value) { return value.dump(-1, ' ', false, Json::error_handler_t::replace); }
+std::string to_text(const Json& value) {
+  return value.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
 
 // RFC 4180: quoted where a comma, quote or line break makes it needed, quotes doubled.
 std::string csv_field(const std::string& text) {

@@ -22,14 +22,16 @@ namespace {
 
 using Marks = std::map<std::string, Mark, std::less<>>;
 
-constexpr std::string_view dash = "\xe2\x80\x93";       // en dash
-constexpr std::string_view thin = "\xe2\x80\xaf";       // narrow no-break space, between a number and its unit
+constexpr std::string_view dash = "\xe2\x80\x93";  // en dash
+constexpr std::string_view thin = "\xe2\x80\xaf";  // narrow no-break space, between a number and its unit
 constexpr std::string_view times_sign = "\xc3\x97";
 
 // ---- Marks: the same for a strategy all over the page ----------------------------------------------------------
 
 // What stands before the colon of a strategy's name.
-std::string_view family_of(std::string_view strategy) { return strategy.substr(0, strategy.find(':')); }
+std::string_view family_of(std::string_view strategy) {
+  return strategy.substr(0, strategy.find(':'));
+}
 
 // Families that people know get a fixed look, so that reports can be compared; any other takes what is free. All
 // colours keep a contrast of 3 with white and with near black, and differ in lightness as well as in hue.
@@ -46,7 +48,8 @@ constexpr std::array<FamilyLook, 6> known_families{{{"unsorted", "#8a7a6a", 2},
                                                     {"reference", "#7a808a", 3}}};
 // Members of a family such as facet_sort:… in turn: filled symbols, shades from blue to violet.
 constexpr std::array<int, 6> member_symbols{7, 13, 5, 9, 11, 15};
-constexpr std::array<std::string_view, 6> member_colours{"#1f78d1", "#7d5ae0", "#1590a8", "#4668c4", "#9b59c8", "#3d87a8"};
+constexpr std::array<std::string_view, 6> member_colours{"#1f78d1", "#7d5ae0", "#1590a8",
+                                                         "#4668c4", "#9b59c8", "#3d87a8"};
 constexpr std::array<int, 9> free_symbols{6, 12, 14, 7, 13, 5, 9, 11, 15};
 constexpr std::array<std::string_view, 5> free_colours{"#d1442f", "#a06a2c", "#b8489a", "#2f8f4e", "#8d7b1a"};
 
@@ -89,8 +92,22 @@ std::string mark_html(const Mark& mark) {
               "\" stroke-width=\"0.4\"/></svg>");
 }
 
-std::string percent(double rate) { return join(percent_text(rate), thin, "%"); }
-std::string milliseconds(double value) { return join(milliseconds_text(value), thin, "ms"); }
+// Numbers too small or too near to all to be shown begin with < or >.
+std::string percent_number(double rate) {
+  return html_escape(percent_text(rate));
+}
+std::string milliseconds_number(double value) {
+  return html_escape(milliseconds_text(value));
+}
+std::string percent(double rate) {
+  return join(percent_number(rate), thin, "%");
+}
+std::string right_enough_bound() {
+  return join(right_enough_percent, thin, "%");
+}
+std::string milliseconds(double value) {
+  return join(milliseconds_number(value), thin, "ms");
+}
 
 std::string rate_text(const RateSummary& rate) {
   if (rate.mean) return percent(*rate.mean);
@@ -115,7 +132,9 @@ std::string rate_class(double rate) {
   return "rate" + std::to_string(index);
 }
 
-std::string section_id(std::size_t mesh) { return "mesh-" + std::to_string(mesh + 1); }
+std::string section_id(std::size_t mesh) {
+  return "mesh-" + std::to_string(mesh + 1);
+}
 
 // "a, b and c", each through `text`.
 template <typename Items, typename ToText>
@@ -128,8 +147,8 @@ std::string listed(const Items& items, const ToText& text) {
   return list;
 }
 
-std::string count_of(std::size_t count, std::string_view thing, std::string_view plural_ending = "s") {
-  return join(count_text(count), " ", thing, count == 1 ? "" : plural_ending);
+std::string count_of(std::size_t count, std::string_view one, std::string_view many) {
+  return join(count_text(count), " ", count == 1 ? one : many);
 }
 
 // ---- Plots ------------------------------------------------------------------------------------------------------
@@ -145,17 +164,18 @@ Plot overall_plot(const Summary& summary, const Marks& marks) {
   for (const MeshResults& results : summary.meshes) {
     for (const StrategySummary& strategy : results.strategies) {
       if (!strategy.error()) continue;
-      plot.points.push_back({strategy.frame_ms, *strategy.error(),
-                             tooltip(strategy.strategy + ", " + results.mesh.name, *strategy.error(), strategy.frame_ms),
-                             marks.at(strategy.strategy), true});
+      plot.points.push_back(
+          {strategy.frame_ms, *strategy.error(),
+           tooltip(strategy.strategy + ", " + results.mesh.name, *strategy.error(), strategy.frame_ms),
+           marks.at(strategy.strategy), true});
     }
   }
   for (const OverallResults& overall : summary.overall) {
     if (!overall.mean_error) continue;
-    plot.points.push_back({overall.geometric_mean_frame_ms, *overall.mean_error,
-                           tooltip(overall.strategy + ", all meshes", *overall.mean_error,
-                                   overall.geometric_mean_frame_ms),
-                           marks.at(overall.strategy), false});
+    plot.points.push_back(
+        {overall.geometric_mean_frame_ms, *overall.mean_error,
+         tooltip(overall.strategy + ", all meshes", *overall.mean_error, overall.geometric_mean_frame_ms),
+         marks.at(overall.strategy), false});
   }
   return plot;
 }
@@ -197,7 +217,8 @@ Result<PagePlots> draw_page_plots(const Summary& summary, const Marks& marks) {
   add("overall", overall_plot(summary, marks));
   for (std::size_t i = 0; i < summary.meshes.size(); ++i) {
     add(section_id(i) + "-wrong", mesh_plot(summary.meshes[i], marks, &StrategySummary::wrong, "wrong pixels"));
-    add(section_id(i) + "-inverted", mesh_plot(summary.meshes[i], marks, &StrategySummary::inverted, "inverted pixels"));
+    add(section_id(i) + "-inverted",
+        mesh_plot(summary.meshes[i], marks, &StrategySummary::inverted, "inverted pixels"));
   }
   PagePlots page;
   if (plots.empty()) return page;
@@ -220,15 +241,13 @@ std::string legend_html(const std::vector<std::string>& strategies, const Marks&
 
 std::string header_html(const Comparison& comparison, const Summary& summary) {
   const std::string size = join(std::to_string(comparison.width), times_sign, std::to_string(comparison.height));
-  std::string html = join("<header>\n<h1>Which transparency strategy to take</h1>\n<p>",
-                          count_of(summary.strategies.size(), "strategy", ""),
-                          " drew ", count_of(summary.meshes.size(), "mesh", "es"), " from ",
-                          count_of(static_cast<std::size_t>(std::max(comparison.views, 0)), "viewpoint"), " each at ", size,
-                          " pixels on a software blend target. Every picture was compared with a reference that sorts the "
-                          "fragments of each pixel by their own depth, and every frame was timed.</p>\n");
-  if (const auto singular = html.find(" strategy drew"); singular != std::string::npos && summary.strategies.size() != 1) {
-    html.replace(singular, 9, " strategies");
-  }
+  std::string html = join(
+      "<header>\n<h1>Which transparency strategy to take</h1>\n<p>",
+      count_of(summary.strategies.size(), "strategy", "strategies"), " drew ",
+      count_of(summary.meshes.size(), "mesh", "meshes"), " from ",
+      count_of(static_cast<std::size_t>(std::max(comparison.views, 0)), "viewpoint", "viewpoints"), " each at ", size,
+      " pixels on a software blend target. Every picture was compared with a reference that sorts the "
+      "fragments of each pixel by their own depth, and every frame was timed.</p>\n");
   html += join("<p class=\"facts\">", html_escape(comparison.date), " \xc2\xb7 ", html_escape(comparison.machine),
                "<br><code>", html_escape(comparison.command), "</code></p>\n<nav aria-label=\"Meshes\"><ul>\n");
   for (std::size_t i = 0; i < summary.meshes.size(); ++i) {
@@ -239,19 +258,20 @@ std::string header_html(const Comparison& comparison, const Summary& summary) {
 
 std::string overall_verdict_html(const Summary& summary) {
   if (!summary.recommendation) {
-    return "<div class=\"verdict none\"><p class=\"headline\">Not judged: too many pixels have no right answer.</p></div>\n";
+    return "<div class=\"verdict none\"><p class=\"headline\">No strategy could be judged.</p></div>\n";
   }
   const std::string& name = summary.recommendation->strategy;
-  const OverallResults& overall = *std::find_if(summary.overall.begin(), summary.overall.end(),
-                                                [&](const OverallResults& results) { return results.strategy == name; });
-  const std::string_view bound = right_enough_text;
+  const OverallResults& overall =
+      *std::find_if(summary.overall.begin(), summary.overall.end(),
+                    [&](const OverallResults& results) { return results.strategy == name; });
   std::string html;
   if (summary.recommendation->is_right_enough) {
-    html = join("<div class=\"verdict\"><p class=\"headline\">Take <b>", strategy_html(name), "</b>: under ", bound,
-                " wrong pixels on ", count_text(overall.right_meshes), " of ", count_of(overall.judged_meshes, "mesh", "es"),
-                ", at ", milliseconds(overall.median_frame_ms), " a frame (median).</p>\n");
+    html = join("<div class=\"verdict\"><p class=\"headline\">Take <b>", strategy_html(name), "</b>: under ",
+                right_enough_bound(), " wrong pixels on ", count_text(overall.right_meshes), " of ",
+                count_of(overall.judged_meshes, "mesh", "meshes"), ", at ", milliseconds(overall.median_frame_ms),
+                " a frame (median).</p>\n");
   } else {
-    html = join("<div class=\"verdict none\"><p class=\"headline\">No strategy stays under ", bound,
+    html = join("<div class=\"verdict none\"><p class=\"headline\">No strategy stays under ", right_enough_bound(),
                 " wrong pixels on any mesh; <b>", strategy_html(name), "</b> is the most right, ",
                 percent(*overall.mean_error), " wrong in the mean, at ", milliseconds(overall.median_frame_ms),
                 " a frame (median).</p>\n");
@@ -270,12 +290,15 @@ std::string overall_verdict_html(const Summary& summary) {
     return join("<a href=\"#", section_id(i), "\">", html_escape(summary.meshes[i].mesh.name), "</a>");
   };
   if (summary.recommendation->is_right_enough && !unsolved.empty()) {
-    html += join("<p>On ", listed(unsolved, link), " no strategy stays under ", bound, ".</p>\n");
+    html += join("<p>On ", listed(unsolved, link), " no strategy stays under ", right_enough_bound(), ".</p>\n");
   }
   if (!better.empty()) {
-    html += join("<p>Another one is the better choice on ", listed(better, [&](std::size_t i) {
-                   return join(link(i), " (", strategy_html(summary.meshes[i].recommendation->strategy), ")");
-                 }), ".</p>\n");
+    html += join("<p>Another one is the better choice on ",
+                 listed(better,
+                        [&](std::size_t i) {
+                          return join(link(i), " (", strategy_html(summary.meshes[i].recommendation->strategy), ")");
+                        }),
+                 ".</p>\n");
   }
   return html + "</div>\n";
 }
@@ -291,23 +314,36 @@ std::string how_to_read_html() {
   ramp += ")";
   return join(
       "<details class=\"box\" open><summary>How to read this page</summary>\n<dl>\n"
-      "<dt>wrong</dt><dd>Share of the covered pixels whose colour differs from the reference by more than one step of an "
+      "<dt>wrong</dt><dd>Share of the covered pixels whose colour differs from the reference by more than one step of "
+      "an "
       "8-bit display (1/255) in some channel. Every strategy can be judged so.</dd>\n"
       "<dt>inverted</dt><dd>Share of the covered pixels in which something far was drawn over something nearer. Only "
-      "strategies that draw facets in an order can be judged so; ", dash, " for the rest.</dd>\n"
-      "<dt>miscovered</dt><dd>Pixels drawn more or less often than the facets of the mesh cover them: cracks and double "
+      "strategies that draw facets in an order can be judged so; ",
+      dash,
+      " for the rest.</dd>\n"
+      "<dt>miscovered</dt><dd>Pixels drawn more or less often than the facets of the mesh cover them: cracks and "
+      "double "
       "cover.</dd>\n"
-      "<dt>unjudged</dt><dd>Pixels whose layers tie in depth: they have no right answer and count neither way. A view with "
-      "more than ", percent(most_unjudged), " of them is not judged at all.</dd>\n"
-      "<dt>time</dt><dd>Ordering and blending of one frame, without reading or writing files; medians of repeated runs, "
-      "with the distance between their quartiles after the \xc2\xb1. Rates are means, times medians, over the views.</dd>\n"
-      "<dt>\xe2\x98\x85 take this</dt><dd>The fastest strategy with under ", right_enough_text,
-      " wrong pixels; of those within ", percent_text(equal_time - 1.0 + 1e-12), thin, "% of its time, the most right. "
+      "<dt>unjudged</dt><dd>Pixels whose layers tie in depth: they have no right answer and count neither way. A view "
+      "with "
+      "more than ",
+      fixed_text(100 * most_unjudged, 0), thin,
+      "% of them is not judged at all.</dd>\n"
+      "<dt>time</dt><dd>Ordering and blending of one frame, without reading or writing files; medians of repeated "
+      "runs, "
+      "with the distance between their quartiles after the \xc2\xb1. Rates are means, times medians, over the "
+      "views.</dd>\n"
+      "<dt>\xe2\x98\x85 take this</dt><dd>The fastest strategy with under ",
+      right_enough_bound(), " wrong pixels; of those within ", fixed_text(100 * (equal_time - 1), 0), thin,
+      "% of its time, the most right. "
       "Where none is that right, the most right one. The reference is what the others are judged by, and not up for "
       "choice.</dd>\n"
       "<dt>difference pictures</dt><dd>The reference in dark grey; pixels that are wrong, coloured by their largest "
-      "difference in a channel: 1/255 <span class=\"ramp\" role=\"img\" aria-label=\"from violet over red and orange to "
-      "pale yellow\" style=\"background:", ramp, "\"></span> 1 (of the range 0 to 1, in linear light; logarithmic).</dd>\n"
+      "difference in a channel: 1/255 <span class=\"ramp\" role=\"img\" aria-label=\"from violet over red and orange "
+      "to "
+      "pale yellow\" style=\"background:",
+      ramp,
+      "\"></span> 1 (of the range 0 to 1, in linear light; logarithmic).</dd>\n"
       "</dl></details>\n");
 }
 
@@ -319,57 +355,60 @@ std::string heat_scale_html() {
   return html + "<li class=\"note muted\">\xe2\x98\x85 the one to take for the mesh</li></ul>\n";
 }
 
-std::string heat_cell_html(const MeshResults& results, const std::string& strategy, RateSummary StrategySummary::*rate) {
+std::string heat_cell_html(const MeshResults& results, const std::string& strategy,
+                           RateSummary StrategySummary::*rate) {
   const StrategySummary* summary = results.find(strategy);
   if (summary == nullptr) return join("<td class=\"rate muted\">", dash, "</td>");
   const RateSummary& shown = summary->*rate;
   if (!shown.mean) return join("<td class=\"rate muted\">", rate_text(shown), "</td>");
   const bool taken = results.recommendation && results.recommendation->strategy == strategy;
   return join("<td class=\"rate ", rate_class(*shown.mean), "\"><span", taken ? " class=\"star\">" : ">",
-              percent_text(*shown.mean), "</span></td>");
+              percent_number(*shown.mean), "</span></td>");
 }
 
 // Strategies down, meshes across.
 std::string heat_map_html(const Summary& summary, const Marks& marks, RateSummary StrategySummary::*rate,
                           std::string_view caption) {
   std::string html = join("<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"", caption,
-                          "\"><table class=\"heat\">\n<thead><tr><th scope=\"col\">", caption,
-                          ", %</th><th scope=\"col\">right on<small>meshes</small></th><th scope=\"col\">time"
-                          "<small>ms, median</small></th>");
+                          "\"><table class=\"heat\">\n<thead><tr><th scope=\"col\">", caption, ", %</th>");
   for (std::size_t i = 0; i < summary.meshes.size(); ++i) {
     html += join("<th scope=\"col\" class=\"mesh\"><a href=\"#", section_id(i), "\">",
                  html_escape(summary.meshes[i].mesh.name), "</a></th>");
   }
-  html += "</tr></thead>\n<tbody>\n";
+  html +=
+      "<th scope=\"col\">right on<small>meshes</small></th><th scope=\"col\">time<small>ms, median</small></th>"
+      "</tr></thead>\n<tbody>\n";
   for (const OverallResults& overall : summary.overall) {
     const bool taken = summary.recommendation && summary.recommendation->strategy == overall.strategy;
     html += join("<tr", taken ? " class=\"taken\"" : "", "><th scope=\"row\">", mark_html(marks.at(overall.strategy)),
-                 strategy_html(overall.strategy), "</th><td>", count_text(overall.right_meshes), " of ",
-                 count_text(overall.judged_meshes), "</td><td>", milliseconds_text(overall.median_frame_ms), "</td>");
+                 strategy_html(overall.strategy), "</th>");
     for (const MeshResults& results : summary.meshes) html += heat_cell_html(results, overall.strategy, rate);
-    html += "</tr>\n";
+    html += join("<td>", count_text(overall.right_meshes), " of ", count_text(overall.judged_meshes), "</td><td>",
+                 milliseconds_number(overall.median_frame_ms), "</td></tr>\n");
   }
   return html + "</tbody></table></div>\n";
 }
 
 std::string summary_html(const Summary& summary, const Marks& marks, const PagePlots& plots) {
-  return join("<section id=\"summary\">\n<h2>Over all meshes</h2>\n", overall_verdict_html(summary), heat_scale_html(),
-              heat_map_html(summary, marks, &StrategySummary::wrong, "wrong pixels"),
-              "<details class=\"table\"><summary>The same for inverted pixels</summary>\n",
-              heat_map_html(summary, marks, &StrategySummary::inverted, "inverted pixels"), "</details>\n",
-              "<h3>Error against run time</h3>\n<div class=\"columns\">\n",
-              plots.figure("overall",
-                           "Large marks: mean error and geometric mean time over all meshes; small marks: each mesh. Down and "
-                           "left is better; in the green band a strategy is right enough; the dashed line is exactly 0."),
-              "<div>", legend_html(summary.strategies, marks), how_to_read_html(), "</div>\n</div>\n</section>\n");
+  return join(
+      "<section id=\"summary\">\n<h2>Over all meshes</h2>\n", overall_verdict_html(summary), heat_scale_html(),
+      heat_map_html(summary, marks, &StrategySummary::wrong, "wrong pixels"),
+      "<details class=\"table\"><summary>The same for inverted pixels</summary>\n",
+      heat_map_html(summary, marks, &StrategySummary::inverted, "inverted pixels"), "</details>\n",
+      "<h3>Error against run time</h3>\n<div class=\"columns\">\n",
+      plots.figure("overall",
+                   "Large marks: mean error and geometric mean time over all meshes; small marks: each mesh. Down and "
+                   "left is better; in the green band a strategy is right enough; the dashed line is exactly 0."),
+      legend_html(summary.strategies, marks), "</div>\n", how_to_read_html(), "</section>\n");
 }
 
 // ---- A mesh -----------------------------------------------------------------------------------------------------
 
 std::string mesh_facts_html(const MeshSummary& mesh) {
-  std::string html = join("<p class=\"facts\">", count_of(mesh.facets, "facet"));
+  std::string html = join("<p class=\"facts\">", count_of(mesh.facets, "facet", "facets"));
   if (mesh.most_layers > 0) {
-    html += join(" \xc2\xb7 ", fixed_text(mesh.mean_layers, 1), " layers a pixel on average, ", count_text(mesh.most_layers),
+    html += join(" \xc2\xb7 ", fixed_text(mesh.mean_layers, 1), " layers a pixel on average, ",
+                 count_text(mesh.most_layers),
                  " at most \xc2\xb7 Embree, a second referee, sees the reference's colour in ",
                  percent(mesh.embree_agreement), " of the covered pixels");
   }
@@ -396,7 +435,7 @@ std::string comparison_html(const MeshResults& results, const StrategySummary& t
 
 std::string mesh_verdict_html(const MeshResults& results) {
   if (!results.recommendation) {
-    return "<div class=\"verdict none\"><p class=\"headline\">Not judged: too many pixels have no right answer.</p></div>\n";
+    return "<div class=\"verdict none\"><p class=\"headline\">No strategy could be judged.</p></div>\n";
   }
   const StrategySummary& taken = *results.find(results.recommendation->strategy);
   const std::string measure = taken.wrong.mean ? " wrong" : " inverted";
@@ -404,18 +443,18 @@ std::string mesh_verdict_html(const MeshResults& results) {
       join(percent(*taken.error()), measure, " pixels at ", milliseconds(taken.frame_ms), " a frame");
   const std::string why = join("<p>", comparison_html(results, taken), "</p></div>\n");
   if (results.recommendation->is_right_enough) {
-    return join("<div class=\"verdict\"><p class=\"headline\">Take <b>", strategy_html(taken.strategy), "</b>: ", figures,
-                ", the fastest under ", right_enough_text, ".</p>\n", why);
+    return join("<div class=\"verdict\"><p class=\"headline\">Take <b>", strategy_html(taken.strategy),
+                "</b>: ", figures, "; none under ", right_enough_bound(), " is clearly faster.</p>\n", why);
   }
-  return join("<div class=\"verdict none\"><p class=\"headline\">No strategy stays under ", right_enough_text,
+  return join("<div class=\"verdict none\"><p class=\"headline\">No strategy stays under ", right_enough_bound(),
               ". The most right is <b>", strategy_html(taken.strategy), "</b>: ", figures, ".</p>\n", why);
 }
 
 std::string image_link_html(const std::string& path, const std::string& description, const Comparison& comparison) {
   const std::string url = url_path(path);
-  return join("<a href=\"", url, "\"><img loading=\"lazy\" decoding=\"async\" width=\"", std::to_string(comparison.width),
-              "\" height=\"", std::to_string(comparison.height), "\" src=\"", url, "\" alt=\"", html_escape(description),
-              "\"></a>");
+  return join("<a href=\"", url, "\"><img loading=\"lazy\" decoding=\"async\" width=\"",
+              std::to_string(comparison.width), "\" height=\"", std::to_string(comparison.height), "\" src=\"", url,
+              "\" alt=\"", html_escape(description), "\"></a>");
 }
 
 std::string picture_html(const ReportPicture& picture, const MeshResults& results, const Marks& marks,
@@ -429,15 +468,15 @@ std::string picture_html(const ReportPicture& picture, const MeshResults& result
     html += join("<div class=\"same\" style=\"aspect-ratio:", std::to_string(comparison.width), "/",
                  std::to_string(comparison.height), "\">what the others are compared with</div>");
   } else {
-    html += image_link_html(picture.difference,
-                            "Where " + picture.strategy + " is wrong on " + results.mesh.name, comparison);
+    html += image_link_html(picture.difference, "Where " + picture.strategy + " is wrong on " + results.mesh.name,
+                            comparison);
   }
-  html += join("<figcaption><strong>", mark == marks.end() ? "" : mark_html(mark->second), strategy_html(picture.strategy),
-               "</strong>");
+  html += join("<figcaption><strong>", mark == marks.end() ? "" : mark_html(mark->second),
+               strategy_html(picture.strategy), "</strong>");
   if (summary != nullptr) {
-    html += join("<span>", rate_text(summary->wrong), " wrong");
-    if (summary->inverted.mean) html += join(", ", rate_text(summary->inverted), " inverted");
-    html += join(", ", milliseconds(summary->frame_ms), "</span>");
+    html += join("<span>", rate_text(summary->wrong), " wrong</span>");
+    if (summary->inverted.mean) html += join("<span>", rate_text(summary->inverted), " inverted</span>");
+    html += join("<span>", milliseconds(summary->frame_ms), " a frame</span>");
   }
   return html + "</figcaption></figure>\n";
 }
@@ -448,8 +487,10 @@ std::string pictures_html(const MeshResults& results, const Marks& marks, const 
     if (picture.mesh == results.mesh.name) figures += picture_html(picture, results, marks, comparison);
   }
   if (figures.empty()) return "";
-  return join("<h3>Pictures, and where they are wrong</h3>\n<p class=\"muted\">One view; the figures are of all views. Select "
-              "a picture for its full size.</p>\n<div class=\"pictures\">\n", figures, "</div>\n");
+  return join(
+      "<h3>Pictures, and where they are wrong</h3>\n<p class=\"muted\">One view; the figures are of all views. Select "
+      "a picture for its full size.</p>\n<div class=\"pictures\">\n",
+      figures, "</div>\n");
 }
 
 template <typename T, typename ToText>
@@ -460,7 +501,7 @@ std::string or_dash(const std::optional<T>& value, const ToText& text) {
 // A mean that not all views could be part of says so.
 std::string rate_cell_text(const RateSummary& rate, std::size_t views) {
   if (!rate.mean) return rate_text(rate);
-  std::string text = percent_text(*rate.mean);
+  std::string text = percent_number(*rate.mean);
   if (rate.judged_views < views) {
     text += " (" + std::to_string(rate.judged_views) + " of " + std::to_string(views) + " views)";
   }
@@ -468,8 +509,9 @@ std::string rate_cell_text(const RateSummary& rate, std::size_t views) {
 }
 
 std::string timing_text(const Timing& timing) {
-  return join(milliseconds_text(timing.median_ms), " <span class=\"muted\">\xc2\xb1", thin,
-              milliseconds_text(timing.spread_ms), "</span>");
+  if (timing.median_ms == 0 && timing.spread_ms == 0) return "0";
+  return join(milliseconds_number(timing.median_ms), " <span class=\"muted\">\xc2\xb1", thin,
+              milliseconds_number(timing.spread_ms), "</span>");
 }
 
 // Errors are small numbers over many decades: three digits and an exponent of ten where they are tiny.
@@ -482,27 +524,28 @@ std::string error_text(double value) {
 
 std::string mesh_table_html(const MeshResults& results, const Marks& marks) {
   static constexpr std::array<std::array<std::string_view, 2>, 19> headings{{{"wrong", "%, mean"},
-                                                                           {"wrong", "%, worst view"},
-                                                                           {"inverted", "%, mean"},
-                                                                           {"inverted", "%, worst view"},
-                                                                           {"order", "ms"},
-                                                                           {"blend", "ms"},
-                                                                           {"prepare", "ms, once"},
-                                                                           {"passes", "a frame"},
-                                                                           {"facets drawn", "most"},
-                                                                           {"triangles out", ""},
-                                                                           {"prepared", "memory"},
-                                                                           {"peak", "memory, a frame"},
-                                                                           {"rmse", "linear RGB"},
-                                                                           {"largest error", "linear RGB"},
-                                                                           {"worst backtrack", "over radius"},
-                                                                           {"miscovered", "pixels"},
-                                                                           {"unjudged", "pixels"},
-                                                                           {"Embree inverted", "rays"},
-                                                                           {"Embree unjudged", "rays"}}};
-  std::string html = join("<details class=\"table\" open><summary>All figures</summary>\n<div class=\"scroll\" "
-                          "tabindex=\"0\" role=\"region\" aria-label=\"All figures of ", html_escape(results.mesh.name),
-                          "\"><table>\n<thead><tr><th scope=\"col\">strategy</th>");
+                                                                             {"wrong", "%, worst view"},
+                                                                             {"inverted", "%, mean"},
+                                                                             {"inverted", "%, worst view"},
+                                                                             {"order", "ms"},
+                                                                             {"blend", "ms"},
+                                                                             {"prepare", "ms, once"},
+                                                                             {"passes", "a frame"},
+                                                                             {"facets drawn", "most"},
+                                                                             {"triangles out", ""},
+                                                                             {"prepared", "memory"},
+                                                                             {"peak", "memory, a frame"},
+                                                                             {"rmse", "linear RGB"},
+                                                                             {"largest error", "linear RGB"},
+                                                                             {"worst backtrack", "over radius"},
+                                                                             {"miscovered", "pixels"},
+                                                                             {"unjudged", "pixels"},
+                                                                             {"Embree inverted", "rays"},
+                                                                             {"Embree unjudged", "rays"}}};
+  std::string html = join(
+      "<details class=\"table\" open><summary>All figures</summary>\n<div class=\"scroll\" "
+      "tabindex=\"0\" role=\"region\" aria-label=\"All figures of ",
+      html_escape(results.mesh.name), "\"><table>\n<thead><tr><th scope=\"col\">strategy</th>");
   for (const auto& [name, unit] : headings) html += join("<th scope=\"col\">", name, "<small>", unit, "</small></th>");
   html += "</tr></thead>\n<tbody>\n";
   for (const StrategySummary& strategy : results.strategies) {
@@ -510,12 +553,12 @@ std::string mesh_table_html(const MeshResults& results, const Marks& marks) {
     html += join("<tr", taken ? " class=\"taken\"" : "", "><th scope=\"row\">", mark_html(marks.at(strategy.strategy)),
                  strategy_html(strategy.strategy), taken ? " \xe2\x98\x85" : "", "</th>");
     const std::array<std::string, headings.size()> cells{rate_cell_text(strategy.wrong, strategy.views),
-                                                         or_dash(strategy.wrong.worst, percent_text),
+                                                         or_dash(strategy.wrong.worst, percent_number),
                                                          rate_cell_text(strategy.inverted, strategy.views),
-                                                         or_dash(strategy.inverted.worst, percent_text),
+                                                         or_dash(strategy.inverted.worst, percent_number),
                                                          timing_text(strategy.order),
                                                          timing_text(strategy.blend),
-                                                         milliseconds_text(strategy.prepare_ms),
+                                                         milliseconds_number(strategy.prepare_ms),
                                                          std::to_string(strategy.passes),
                                                          count_text(strategy.facets_drawn),
                                                          count_text(strategy.triangles_out),
@@ -548,18 +591,23 @@ std::string mesh_html(std::size_t index, const MeshResults& results, const Marks
               "<p><a href=\"#summary\">Back to the summary</a></p>\n</section>\n");
 }
 
-std::string page_html(const Comparison& comparison, const Summary& summary, const Marks& marks, const PagePlots& plots) {
-  std::string html = join("<!DOCTYPE html>\n<html lang=\"en-GB\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
-                          "content=\"width=device-width, initial-scale=1\">\n<title>facetsort: which transparency strategy to "
-                          "take</title>\n<style>", page_style, "</style>\n</head>\n<body>\n",
-                          "<svg class=\"hidden\" aria-hidden=\"true\">", plots.drawn.definitions, "</svg>\n",
-                          header_html(comparison, summary), "<main>\n", summary_html(summary, marks, plots));
+std::string page_html(const Comparison& comparison, const Summary& summary, const Marks& marks,
+                      const PagePlots& plots) {
+  std::string html = join(
+      "<!DOCTYPE html>\n<html lang=\"en-GB\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" "
+      "content=\"width=device-width, initial-scale=1\">\n<title>facetsort: which transparency strategy to "
+      "take</title>\n<style>",
+      page_style, "</style>\n</head>\n<body>\n", "<svg class=\"hidden\" aria-hidden=\"true\">", plots.drawn.definitions,
+      "</svg>\n", header_html(comparison, summary), "<main>\n", summary_html(summary, marks, plots));
   for (std::size_t i = 0; i < summary.meshes.size(); ++i) {
     html += mesh_html(i, summary.meshes[i], marks, plots, comparison);
   }
-  return html + join("</main>\n<footer>Made by facetsort compare. The same figures, a row for each mesh, view and strategy, "
-                     "are in <a href=\"results.json\">results.json</a> and <a href=\"results.csv\">results.csv</a>.</footer>\n"
-                     "<script>", page_script, "</script>\n</body>\n</html>\n");
+  return html +
+         join(
+             "</main>\n<footer>Made by facetsort compare. The same figures, a row for each mesh, view and strategy, "
+             "are in <a href=\"results.json\">results.json</a> and <a href=\"results.csv\">results.csv</a>.</footer>\n"
+             "<script>",
+             page_script, "</script>\n</body>\n</html>\n");
 }
 
 }  // namespace
