@@ -17,7 +17,7 @@ inline constexpr double right_enough = 0.001;
 inline constexpr std::string_view right_enough_percent = "0.1";
 // Times closer than this to the fastest are taken as equal: a repeated run would swap them.
 inline constexpr double equal_time = 1.1;
-// A view in which more of the covered pixels have no right answer is not judged.
+// A view in which more of the covered pixels could not be judged is not judged.
 inline constexpr double most_unjudged = 0.05;
 // The strategy that the others are judged by: shown, but not up for choice.
 inline constexpr std::string_view reference_strategy = "reference";
@@ -26,7 +26,7 @@ inline constexpr std::string_view reference_strategy = "reference";
 struct RateSummary {
   std::optional<double> mean, worst;  // of the judged views; empty where none was
   std::size_t judged_views = 0;
-  bool not_judged = false;  // empty because too many pixels had no right answer, not because the measure
+  bool not_judged = false;  // empty because too many pixels could not be judged, not because the measure
                             // does not apply to the strategy
 };
 

@@ -314,25 +314,22 @@ std::string how_to_read_html() {
   ramp += ")";
   return join(
       "<details class=\"box\" open><summary>How to read this page</summary>\n<dl>\n"
-      "<dt>wrong</dt><dd>Share of the covered pixels whose colour differs from the reference by more than one step of "
-      "an "
-      "8-bit display (1/255) in some channel. Every strategy can be judged so.</dd>\n"
+      "<dt>wrong</dt><dd>Share of the covered pixels whose colour differs from the reference by more than one step "
+      "of an 8-bit display (1/255) in some channel. Layers at one depth may be drawn either way: a pixel is right if "
+      "some order of them gives its colour. Every strategy can be judged so.</dd>\n"
       "<dt>inverted</dt><dd>Share of the covered pixels in which something far was drawn over something nearer. Only "
       "strategies that draw facets in an order can be judged so; ",
       dash,
       " for the rest.</dd>\n"
       "<dt>miscovered</dt><dd>Pixels drawn more or less often than the facets of the mesh cover them: cracks and "
-      "double "
-      "cover.</dd>\n"
-      "<dt>unjudged</dt><dd>Pixels whose layers tie in depth: they have no right answer and count neither way. A view "
-      "with "
-      "more than ",
+      "double cover.</dd>\n"
+      "<dt>unjudged</dt><dd>Pixels that differ and have more orders of layers at one depth than can be tried: they "
+      "count neither way. A view with more than ",
       fixed_text(100 * most_unjudged, 0), thin,
       "% of them is not judged at all.</dd>\n"
       "<dt>time</dt><dd>Ordering and blending of one frame, without reading or writing files; medians of repeated "
-      "runs, "
-      "with the distance between their quartiles after the \xc2\xb1. Rates are means, times medians, over the "
-      "views.</dd>\n"
+      "runs, with the distance between their quartiles after the \xc2\xb1. Rates are means, times medians, over "
+      "the views.</dd>\n"
       "<dt>\xe2\x98\x85 take this</dt><dd>The fastest strategy with under ",
       right_enough_bound(), " wrong pixels; of those within ", fixed_text(100 * (equal_time - 1), 0), thin,
       "% of its time, the most right. "
