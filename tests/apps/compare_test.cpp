@@ -48,10 +48,10 @@ const std::set<std::string> row_keys{"mesh",
                                      "embree_inverted",
                                      "embree_unjudged"};
 
-// Mesh twice over, every facet on top of another of its own.
-Mesh doubled(Mesh mesh) {
+// The mesh several times over, every facet on top of others of its own.
+Mesh repeated(Mesh mesh, int times) {
   const std::vector<glm::uvec3> once = mesh.triangles;
-  mesh.triangles.insert(mesh.triangles.end(), once.begin(), once.end());
+  for (int i = 1; i < times; ++i) mesh.triangles.insert(mesh.triangles.end(), once.begin(), once.end());
   return mesh;
 }
 
@@ -157,17 +157,42 @@ TEST_F(Compare, TakesTheStrategiesNamed) {
             (std::vector<std::string>{"depth_write", "facet_sort:centroid_distance", "facet_sort:centroid_depth"}));
 }
 
-TEST_F(Compare, TiesAreNotJudged) {
-  const std::string twice = write_mesh(folder_, "twice.ply", doubled(shapes::icosphere(2)));
-  ASSERT_EQ(compare({twice, "--views", "1", "--strategies", "unsorted,facet_sort,reference"}).status, 0);
-  const Json rows = results().at("rows");
-  ASSERT_EQ(rows.size(), 3u);
-  EXPECT_GT(rows[0].at("unjudged_pixels"), 100);
-  EXPECT_TRUE(rows[0].at("wrong_pixels").is_null());
-  EXPECT_TRUE(rows[0].at("wrong_rate").is_null());
-  // Equal depths: both draw the smaller id first.
-  for (const Json& row : {rows[1], rows[2]}) {
-    EXPECT_EQ(row.at("unjudged_pixels"), 0);
+TEST_F(Compare, TiesAreRightEitherWayAndNotJudgedWhereTheyAreTooMany) {
+  const std::string twice = write_mesh(folder_, "twice.ply", repeated(shapes::icosphere(2), 2));
+  const std::string often = write_mesh(folder_, "often.ply", repeated(shapes::icosphere(2), 9));
+  ASSERT_EQ(compare({twice, often, "--views", "1", "--strategies", "unsorted,facet_sort,reference"}).status, 0);
+  const Json document = results();
+  const Json& rows = document.at("rows");
+  ASSERT_EQ(rows.size(), 6u);
+  // Two layers at each depth have few orders, none of which has the near pair under a far one.
+  EXPECT_EQ(rows[0].at("unjudged_pixels"), 0);
+  EXPECT_GT(rows[0].at("wrong_rate"), 0.1);
+  // Nine at each depth have too many.
+  EXPECT_GT(rows[3].at("unjudged_pixels"), 100);
+  EXPECT_TRUE(rows[3].at("wrong_pixels").is_null());
+  EXPECT_TRUE(rows[3].at("wrong_rate").is_null());
+  // What draws the smaller id of equal depths first, as the reference does, has no such pixel.
+  for (const std::size_t row : {1, 2, 4, 5}) {
+    EXPECT_EQ(rows[row].at("unjudged_pixels"), 0);
+    EXPECT_EQ(rows[row].at("wrong_pixels"), 0);
+  }
+}
+
+TEST_F(Compare, NothingIsSaidOfRaysThatCannotBeJudged) {
+  // The only ray, through the middle, meets the edge that both facets share.
+  Mesh square;
+  square.positions = {{-1, -1, 0}, {1, -1, 0}, {1, 1, 0}, {-1, 1, 0}};
+  square.triangles = {{0, 1, 2}, {0, 2, 3}};
+  const Finished finished = run_program({"compare", write_mesh(folder_, "square.ply", square), "--views", "1", "--size",
+                                         "1", "--repeats", "1", "--out", report_.string()});
+  ASSERT_EQ(finished.status, 0) << finished.error;
+  const Json document = results();
+  EXPECT_TRUE(document.at("meshes")[0].at("embree_agreement").is_null());
+  for (const Json& row : document.at("rows")) {
+    EXPECT_EQ(row.at("covered_pixels"), 1);
+    EXPECT_EQ(row.at("embree_rays"), 1);
+    EXPECT_EQ(row.at("embree_unjudged"), 1);
+    EXPECT_TRUE(row.at("embree_inverted").is_null());
     EXPECT_EQ(row.at("wrong_pixels"), 0);
   }
 }
