@@ -6,7 +6,6 @@
 #include <fstream>
 #include <iostream>
 #include <iterator>
-#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -152,10 +151,9 @@ void compare_on_mesh(const InputMesh& mesh, const CompareOptions& options, const
   if (covered_pixels > 0) {
     summary.mean_layers = static_cast<double>(fragments) / static_cast<double>(covered_pixels);
   }
-  // null in JSON where there is nothing to agree on.
-  summary.embree_agreement = agreement.judged > 0
-                                 ? static_cast<double>(agreement.agreeing) / static_cast<double>(agreement.judged)
-                                 : std::numeric_limits<double>::quiet_NaN();
+  if (agreement.judged > 0) {
+    summary.embree_agreement = static_cast<double>(agreement.agreeing) / static_cast<double>(agreement.judged);
+  }
   comparison.meshes.push_back(summary);
 }
 

@@ -61,7 +61,9 @@ struct MeshSummary {
   std::size_t facets = 0;
   double mean_layers = 0;          // fragments over covered pixels, over the views
   std::size_t most_layers = 0;
-  double embree_agreement = 0;     // share of covered pixels in which Embree's own picture equals the reference within 1/255
+  // Share of covered pixels in which Embree's own picture equals the reference within 1/255; empty where Embree could
+  // judge none of them.
+  std::optional<double> embree_agreement;
 };
 
 struct Comparison {

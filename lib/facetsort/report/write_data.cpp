@@ -92,7 +92,7 @@ Json mesh_json(const MeshSummary& mesh) {
           {"facets", mesh.facets},
           {"mean_layers", mesh.mean_layers},
           {"most_layers", mesh.most_layers},
-          {"embree_agreement", mesh.embree_agreement}};
+          {"embree_agreement", or_null(mesh.embree_agreement)}};
 }
 
 // One element a line, so that files can be compared by eye and by diff.

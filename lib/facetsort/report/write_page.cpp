@@ -405,9 +405,10 @@ std::string mesh_facts_html(const MeshSummary& mesh) {
   std::string html = join("<p class=\"facts\">", count_of(mesh.facets, "facet", "facets"));
   if (mesh.most_layers > 0) {
     html += join(" \xc2\xb7 ", fixed_text(mesh.mean_layers, 1), " layers a pixel on average, ",
-                 count_text(mesh.most_layers),
-                 " at most \xc2\xb7 Embree, a second referee, sees the reference's colour in ",
-                 percent(mesh.embree_agreement), " of the covered pixels");
+                 count_text(mesh.most_layers), " at most \xc2\xb7 Embree, a second referee, ",
+                 mesh.embree_agreement
+                     ? join("sees the reference's colour in ", percent(*mesh.embree_agreement), " of the covered pixels")
+                     : "could judge no pixel");
   }
   return html + "</p>\n";
 }
