@@ -56,7 +56,7 @@ struct alignas(256) Wide {
 TEST(Allocations, EveryOverloadCountsAndKeepsAlignment) {
   const AllocationScope scope;
   constexpr std::align_val_t wide{256};
-  ::operator delete (observed(::operator new(10)), std::size_t{10});
+  ::operator delete(observed(::operator new(10)));
   ::operator delete[](observed(::operator new[](10)));
   ::operator delete(observed(::operator new(10, std::nothrow)), std::nothrow);
   ::operator delete[](observed(::operator new[](10, std::nothrow)), std::nothrow);
