@@ -126,6 +126,7 @@ TEST(Page, SaysWhatToTakeAndShowsEachMesh) {
   EXPECT_EQ(occurrences(page, "<svg class=\"plot\""), 5u);  // one over all, two a mesh
   EXPECT_EQ(occurrences(page, "<img loading=\"lazy\""), 6u);
   EXPECT_EQ(occurrences(page, "alt=\""), 6u);
+  EXPECT_NE(page.find("No strategy is right on most meshes. The closest is <b>facet_"), std::string::npos);
   EXPECT_NE(page.find("No strategy stays under"), std::string::npos);                  // the second mesh
   EXPECT_NE(page.find("<title>novel: 0.0200 %, 3.60 ms</title>"), std::string::npos);  // a mark's tooltip
 }

@@ -108,6 +108,13 @@ TEST(Summary, OverAllMeshes) {
   EXPECT_DOUBLE_EQ(summary.overall[3].geometric_mean_frame_ms, 3.6);
   ASSERT_TRUE(summary.recommendation);
   EXPECT_EQ(summary.recommendation->strategy, "facet_sort:centroid_distance");
+  EXPECT_FALSE(summary.recommendation->is_right_enough) << "one of two is not most";
+}
+
+TEST(Summary, RightOnMostMeshesIsRightOverAll) {
+  const Comparison comparison =
+      of_rows({make_row("m", 0, "a", 0, 1), make_row("n", 0, "a", 0, 1), make_row("o", 0, "a", 1, 1)});
+  EXPECT_TRUE(summarise(comparison).recommendation->is_right_enough);
 }
 
 TEST(Summary, NamesMeshesThatOnlyRowsKnow) {

@@ -144,7 +144,7 @@ std::optional<Recommendation> recommend_overall(const std::vector<OverallResults
     if (best == nullptr || rank(results) < rank(*best)) best = &results;
   }
   if (best == nullptr) return std::nullopt;
-  return Recommendation{best->strategy, best->right_meshes > 0};
+  return Recommendation{best->strategy, 2 * best->right_meshes > best->judged_meshes};
 }
 
 std::vector<MeshSummary> meshes_of(const Comparison& comparison) {

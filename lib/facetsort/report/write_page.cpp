@@ -271,10 +271,11 @@ std::string overall_verdict_html(const Summary& summary) {
                 count_of(overall.judged_meshes, "mesh", "meshes"), ", at ", milliseconds(overall.median_frame_ms),
                 " a frame (median).</p>\n");
   } else {
-    html = join("<div class=\"verdict none\"><p class=\"headline\">No strategy stays under ", right_enough_bound(),
-                " wrong pixels on any mesh; <b>", strategy_html(name), "</b> is the most right, ",
-                percent(*overall.mean_error), " wrong in the mean, at ", milliseconds(overall.median_frame_ms),
-                " a frame (median).</p>\n");
+    html = join(
+        "<div class=\"verdict none\"><p class=\"headline\">No strategy is right on most meshes. The closest is <b>",
+        strategy_html(name), "</b>: under ", right_enough_bound(), " wrong pixels on ",
+        count_text(overall.right_meshes), " of ", count_text(overall.judged_meshes), ", ", percent(*overall.mean_error),
+        " in the mean, at ", milliseconds(overall.median_frame_ms), " a frame (median).</p>\n");
   }
   std::vector<std::size_t> unsolved, better;
   for (std::size_t i = 0; i < summary.meshes.size(); ++i) {
@@ -289,7 +290,7 @@ std::string overall_verdict_html(const Summary& summary) {
   const auto link = [&](std::size_t i) {
     return join("<a href=\"#", section_id(i), "\">", html_escape(summary.meshes[i].mesh.name), "</a>");
   };
-  if (summary.recommendation->is_right_enough && !unsolved.empty()) {
+  if (overall.right_meshes > 0 && !unsolved.empty()) {
     html += join("<p>On ", listed(unsolved, link), " no strategy stays under ", right_enough_bound(), ".</p>\n");
   }
   if (!better.empty()) {
@@ -406,9 +407,9 @@ std::string mesh_facts_html(const MeshSummary& mesh) {
   if (mesh.most_layers > 0) {
     html += join(" \xc2\xb7 ", fixed_text(mesh.mean_layers, 1), " layers a pixel on average, ",
                  count_text(mesh.most_layers), " at most \xc2\xb7 Embree, a second referee, ",
-                 mesh.embree_agreement
-                     ? join("sees the reference's colour in ", percent(*mesh.embree_agreement), " of the covered pixels")
-                     : "could judge no pixel");
+                 mesh.embree_agreement ? join("sees the reference's colour in ", percent(*mesh.embree_agreement),
+                                              " of the covered pixels")
+                                       : "could judge no pixel");
   }
   return html + "</p>\n";
 }
