@@ -80,8 +80,8 @@ struct Summary {
   std::vector<std::string> strategies;  // in the order in which rows first name them
   std::vector<MeshResults> meshes;      // in the comparison's order
   std::vector<OverallResults> overall;  // one a strategy
-  // Right enough on the most meshes; of equals, the most right in the mean. It is right enough over all when it is so on
-  // more than half of them.
+  // Right enough on the most meshes; of equals, the most right in the mean. It is right enough over all when it is so
+  // on more than half of them.
   std::optional<Recommendation> recommendation;
 };
 
