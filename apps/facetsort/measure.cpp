@@ -112,7 +112,8 @@ Agreement compare_referees(const InputMesh& input, const RefereedView& refereed)
   }
   const PictureVerdict verdict = judge_picture(input.mesh.view(), refereed.view, refereed.lists, refereed.reference,
                                                picture, {.bounding_radius = input.radius});
-  agreement.agreeing = agreement.judged - verdict.wrong_pixels - verdict.unjudged_pixels;
+  agreement.judged -= verdict.unjudged_pixels;
+  agreement.agreeing = agreement.judged - verdict.wrong_pixels;
   return agreement;
 }
 

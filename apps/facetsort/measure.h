@@ -25,7 +25,8 @@ struct RefereedView {
 // Throws Failure where Embree refuses the view.
 RefereedView referee_view(const InputMesh& input, const EmbreeReferee& referee, const View& view, PixelFormat format);
 
-// Covered pixels that Embree can judge, and how its own picture of them compares with the reference.
+// Covered pixels that Embree can judge and whose ties can be told, and how its own picture of them compares with the
+// reference.
 struct Agreement {
   std::size_t judged = 0;
   std::size_t agreeing = 0;  // within a display step, layers that tie taken either way
