@@ -37,7 +37,8 @@ int main(int argc, char** argv) {
   facetsort::bench::register_sort_benchmarks();
   facetsort::bench::register_draw_benchmarks();
   facetsort::bench::register_fragment_benchmarks();
-  ErrorWatch watch(std::unique_ptr<benchmark::BenchmarkReporter>(benchmark::CreateDefaultDisplayReporter()));
+  std::unique_ptr<benchmark::BenchmarkReporter> shown(benchmark::CreateDefaultDisplayReporter());
+  ErrorWatch watch(std::move(shown));
   const std::size_t ran = benchmark::RunSpecifiedBenchmarks(&watch);
   return ran == 0 || watch.failed() ? 1 : 0;
 }
