@@ -22,11 +22,13 @@
 #include "facetsort/blend/view.h"
 #include "facetsort/blend/shading.h"
 #include "facetsort/blend/image.h"
+#include "facetsort/blend/source_over.h"
 #include "facetsort/blend/rasteriser.h"
 #include "facetsort/blend/fragment_lists.h"
 #include "facetsort/blend/strategy.h"
 
 #include "facetsort/check/verdict.h"
+#include "facetsort/check/picture_verdict.h"
 #include "facetsort/check/embree_referee.h"
 
 #include "facetsort/report/row.h"

@@ -4,6 +4,7 @@
 
 #include <cstdlib>
 #include <fstream>
+#include <ostream>
 #include <sstream>
 
 #include "apps/run_program.h"
@@ -18,6 +19,8 @@ struct Golden {
   std::size_t allowed = 0;
   std::vector<std::string> arguments;
 };
+
+void PrintTo(const Golden& golden, std::ostream* out) { *out << golden.name; }
 
 std::vector<Golden> golden_pictures() {
   std::vector<Golden> pictures;
