@@ -18,6 +18,8 @@
 
 #include "facetsort/exact/predicates.h"
 #include "facetsort/exact/facts.h"
+#include "facetsort/exact/pieces.h"
+#include "facetsort/exact/exact_sorter.h"
 
 #include "facetsort/blend/view.h"
 #include "facetsort/blend/shading.h"

@@ -80,7 +80,7 @@ std::vector<Strategy> all_strategies() {
   std::vector<Strategy> strategies;
   for (const NamedKind& named : kinds) {
     if (named.kind == StrategyKind::facet_sort) {
-      for (const Method method : all_methods()) strategies.push_back({named.kind, method});
+      for (const Method method : depth_key_methods()) strategies.push_back({named.kind, method});
     } else {
       strategies.push_back({.kind = named.kind});
     }

@@ -31,7 +31,7 @@ struct SortView {
 // A Sorter serves one thread at a time; different Sorters may be used at once. It keeps no reference to the mesh.
 class Sorter {
  public:
-  // Precondition: validate(mesh) is ok.
+  // Preconditions: validate(mesh) is ok; `method` is one of depth_key_methods().
   explicit Sorter(const MeshView& mesh, Method method = Method::centroid_distance);
 
   // Facet ids, back to front. The span is valid until the next call on this Sorter.
@@ -65,7 +65,7 @@ class Sorter {
   std::vector<std::uint32_t> order_;
 };
 
-// One use: the order of one mesh for one view.
+// One use: the order of one mesh for one view, by a depth key.
 std::vector<std::uint32_t> sort_facets(const MeshView& mesh, const SortView& view,
                                        Method method = Method::centroid_distance);
 
