@@ -1,101 +1,18 @@
 // Filters: stage A of Shewchuk 1997, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
-// Predicates". Fallback: finite floating-point numbers are integers times a power of two, so after scaling every input
-// by one common power the signs of polynomials follow from integer arithmetic alone: no fractions, no divisors.
+// Predicates". Fallback: integers.h.
 #include "facetsort/exact/predicates.h"
 
-#include <algorithm>
-#include <bit>
-#include <boost/multiprecision/cpp_int.hpp>
 #include <cassert>
 #include <cmath>
-#include <cstdint>
 #include <initializer_list>
 #include <limits>
+
+#include "facetsort/exact/integers.h"
 
 namespace facetsort {
 namespace {
 
-// Numbers up to 512 bits live on the stack, which covers coordinates whose magnitudes span some 2^100; wider ones
-// allocate.
-using Integer =
-    boost::multiprecision::number<boost::multiprecision::cpp_int_backend<
-                                      512, 0, boost::multiprecision::signed_magnitude, boost::multiprecision::unchecked,
-                                      std::allocator<boost::multiprecision::limb_type>>,
-                                  boost::multiprecision::et_off>;
-
-struct IntegerVector {
-  Integer x, y, z;
-};
-
-thread_local unsigned long long fallback_count = 0;
-
-// value = mantissa * 2^exponent with an odd mantissa; zero has no exponent that matters.
-struct Dyadic {
-  std::int64_t mantissa = 0;
-  int exponent = std::numeric_limits<int>::max();
-
-  explicit Dyadic(double value) {
-    assert(std::isfinite(value));
-    constexpr int fraction_bits = 52;
-    constexpr int lowest_exponent = -1074;  // of the smallest denormal double
-    const std::uint64_t bits = std::bit_cast<std::uint64_t>(value);
-    const int biased_exponent = static_cast<int>(bits >> fraction_bits & 0x7ff);
-    std::uint64_t magnitude = bits & ((std::uint64_t{1} << fraction_bits) - 1);
-    if (biased_exponent != 0) magnitude |= std::uint64_t{1} << fraction_bits;
-    if (magnitude == 0) return;
-    const int zeros = std::countr_zero(magnitude);
-    mantissa = static_cast<std::int64_t>(magnitude >> zeros);
-    if (std::signbit(value)) mantissa = -mantissa;
-    exponent = lowest_exponent + std::max(biased_exponent, 1) - 1 + zeros;
-  }
-};
-
-// The largest e such that every value is an integer times 2^e; 0 when all are zero.
-int common_exponent(std::initializer_list<double> values) {
-  int lowest = std::numeric_limits<int>::max();
-  for (const double value : values) lowest = std::min(lowest, Dyadic(value).exponent);
-  return lowest == std::numeric_limits<int>::max() ? 0 : lowest;
-}
-
-int common_exponent(std::initializer_list<glm::dvec3> vectors) {
-  int lowest = std::numeric_limits<int>::max();
-  for (const glm::dvec3& v : vectors) {
-    for (int i = 0; i < 3; ++i) lowest = std::min(lowest, Dyadic(v[i]).exponent);
-  }
-  return lowest == std::numeric_limits<int>::max() ? 0 : lowest;
-}
-
-// value / 2^exponent. Precondition: that is an integer.
-Integer scaled_integer(double value, int exponent) {
-  const Dyadic dyadic(value);
-  Integer integer = dyadic.mantissa;
-  if (dyadic.mantissa != 0) integer <<= dyadic.exponent - exponent;
-  return integer;
-}
-
-IntegerVector scaled_integers(const glm::dvec3& v, int exponent) {
-  return {scaled_integer(v.x, exponent), scaled_integer(v.y, exponent), scaled_integer(v.z, exponent)};
-}
-
-IntegerVector operator-(const IntegerVector& a, const IntegerVector& b) {
-  return {a.x - b.x, a.y - b.y, a.z - b.z};
-}
-
-Integer dot(const IntegerVector& a, const IntegerVector& b) {
-  return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-IntegerVector cross(const IntegerVector& a, const IntegerVector& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
-int sign(const Integer& value) {
-  return value.sign();
-}
-
-int sign(double value) {
-  return (value > 0) - (value < 0);
-}
+using namespace exact_internal;
 
 constexpr double half_epsilon = std::numeric_limits<double>::epsilon() / 2;
 
