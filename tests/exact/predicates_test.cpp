@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -103,6 +104,25 @@ TEST_P(HardPredicates, TurnsAreThoseOfRationalArithmetic) {
   EXPECT_GT(seen[-1], 0);
   EXPECT_GT(seen[1], 0);
   EXPECT_GT(lines, 0);
+}
+
+TEST_P(HardPredicates, SignedVolumesAreWithinTheirBounds) {
+  HardPoints point(GetParam());
+  int certain = 0;
+  for (int i = 0; i < 3000; ++i) {
+    const glm::vec3 a = point(), b = point(), c = point();
+    const glm::vec3 d = i % 7 == 0 ? a : i % 7 == 1 ? b : i % 7 == 2 ? c : point();
+    const SignedVolume volume = signed_volume(a, b, c, d);
+    const Point origin = exactly(a);
+    const Number exact = dot(cross(exactly(b) - origin, exactly(c) - origin), exactly(d) - origin);
+    ASSERT_LE(abs(Number(volume.value) - exact), Number(volume.error)) << i;
+    if (d == a || d == b || d == c) {
+      ASSERT_EQ(volume.error, 0) << i;
+    } else {
+      certain += std::abs(volume.value) > volume.error;
+    }
+  }
+  EXPECT_GT(certain, 300);
 }
 
 std::string kind_name(const testing::TestParamInfo<HardPoints::Kind>& test) {
@@ -213,6 +233,48 @@ TEST(ProjectedPredicates, AreThoseOfRationalArithmetic) {
   for (const int expected : {-1, 0, 1}) {
     EXPECT_GT(at_pixel_seen[expected], 10) << expected;
     EXPECT_GT(facing_seen[expected], 10) << expected;
+  }
+}
+
+TEST(ProjectedPredicates, CutSignsAreThoseOfRationalArithmetic) {
+  HardPoints grid(HardPoints::on_a_grid), near_plane(HardPoints::near_a_plane), mixed(HardPoints::of_mixed_magnitude);
+  Projections projections;
+  std::mt19937 random(6);
+  std::uniform_int_distribution<int> pixel(-4, 4);
+  std::map<int, int> seen, side_seen;
+  for (int i = 0; i < 1500; ++i) {
+    const Projection h = projections();
+    HardPoints& point = i % 8 == 0 ? mixed : i % 8 == 1 ? near_plane : grid;
+    const std::array<glm::vec3, 3> facet{point(), point(), point()};
+    // Facets that share a corner or an edge with the plane's, too.
+    const std::array<glm::vec3, 3> plane{i % 3 == 0 ? facet[2] : point(), i % 6 == 0 ? facet[1] : point(), point()};
+    const double pixel_x = pixel(random) / 2.0, pixel_y = pixel(random) / 2.0;
+
+    const Point origin = exactly(plane[0]);
+    const Point normal = cross(exactly(plane[1]) - origin, exactly(plane[2]) - origin);
+    Point line(0, 0, 0), seen_point(0, 0, 0);
+    Number weights = 0;
+    const Point at(Number(pixel_x), Number(pixel_y), Number(1));
+    for (int k = 0; k < 3; ++k) {
+      const Point edge = cross(h(facet[(k + 1) % 3]), h(facet[(k + 2) % 3]));
+      line = line + dot(normal, exactly(facet[k]) - origin) * edge;
+      seen_point = seen_point + dot(edge, at) * exactly(facet[k]);
+      weights += dot(edge, at);
+    }
+    const EdgeSigns signs = exact_cut_signs(facet, plane, h.eye, h.rows, h.offset, pixel_x, pixel_y);
+    ASSERT_EQ(signs.at_pixel, sign(dot(line, at))) << i;
+    ASSERT_EQ(signs.x, sign(line.x)) << i;
+    ASSERT_EQ(signs.y, sign(line.y)) << i;
+    ++seen[signs.at_pixel];
+    // It is the side of the plane on which the point seen at the pixel lies.
+    if (weights == 0) continue;
+    const int side = sign(dot(normal, Number(1) / weights * seen_point - origin));
+    ASSERT_EQ(signs.at_pixel * weights.sign(), side) << i;
+    ++side_seen[side];
+  }
+  for (const int expected : {-1, 0, 1}) {
+    EXPECT_GT(seen[expected], 10) << expected;
+    EXPECT_GT(side_seen[expected], 10) << expected;
   }
 }
 

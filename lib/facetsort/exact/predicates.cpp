@@ -22,6 +22,20 @@ constexpr double half_epsilon = std::numeric_limits<double>::epsilon() / 2;
 constexpr double bound_of_3x3 = (7 + 56 * half_epsilon) * half_epsilon;
 constexpr double bound_of_2x2 = (3 + 16 * half_epsilon) * half_epsilon;
 
+// det[u, v, w] and the sum of the magnitudes of its products.
+struct Determinant {
+  double value, magnitude;
+};
+
+inline Determinant determinant_of(const glm::dvec3& u, const glm::dvec3& v, const glm::dvec3& w) {
+  const double uy_vz = u.y * v.z, uz_vy = u.z * v.y;
+  const double uz_vx = u.z * v.x, ux_vz = u.x * v.z;
+  const double ux_vy = u.x * v.y, uy_vx = u.y * v.x;
+  return {w.x * (uy_vz - uz_vy) + w.y * (uz_vx - ux_vz) + w.z * (ux_vy - uy_vx),
+          std::abs(w.x) * (std::abs(uy_vz) + std::abs(uz_vy)) + std::abs(w.y) * (std::abs(uz_vx) + std::abs(ux_vz)) +
+              std::abs(w.z) * (std::abs(ux_vy) + std::abs(uy_vx))};
+}
+
 int exact_determinant_sign(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::vec4& d) {
   ++fallback_count;
   const glm::dvec3 target(d);
@@ -41,6 +55,15 @@ int exact_normal_sign(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2
   const Integer ux = scaled_integer(b.x, exponent) - ax, uy = scaled_integer(b.y, exponent) - ay;
   const Integer vx = scaled_integer(c.x, exponent) - ax, vy = scaled_integer(c.y, exponent) - ay;
   return sign(Integer(ux * vy - uy * vx));
+}
+
+// The sign of a line's function at a pixel, and of its direction. 1 is among the values, so that the pixel's coordinates
+// and the factor of line.z share their power of two.
+EdgeSigns signs_of_line(const IntegerVector& line, double pixel_x, double pixel_y) {
+  const int exponent = common_exponent({pixel_x, pixel_y, 1.0});
+  const Integer at_pixel = line.x * scaled_integer(pixel_x, exponent) + line.y * scaled_integer(pixel_y, exponent) +
+                           line.z * scaled_integer(1.0, exponent);
+  return {sign(at_pixel), sign(line.x), sign(line.y)};
 }
 
 // The projection of points to homogeneous pixels in integers: every h(p) is scaled by the same power of two.
@@ -79,13 +102,7 @@ int side_of_plane(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, co
   const glm::dvec3 origin(a);
   const glm::dvec3 u = glm::dvec3(b) - origin, v = glm::dvec3(c) - origin;
   const glm::dvec3 w = eye.w == 0 ? glm::dvec3(eye) : glm::dvec3(eye) - origin;
-  const double uy_vz = u.y * v.z, uz_vy = u.z * v.y;
-  const double uz_vx = u.z * v.x, ux_vz = u.x * v.z;
-  const double ux_vy = u.x * v.y, uy_vx = u.y * v.x;
-  const double determinant = w.x * (uy_vz - uz_vy) + w.y * (uz_vx - ux_vz) + w.z * (ux_vy - uy_vx);
-  const double magnitude = std::abs(w.x) * (std::abs(uy_vz) + std::abs(uz_vy)) +
-                           std::abs(w.y) * (std::abs(uz_vx) + std::abs(ux_vz)) +
-                           std::abs(w.z) * (std::abs(ux_vy) + std::abs(uy_vx));
+  const auto [determinant, magnitude] = determinant_of(u, v, w);
   // The second case: every product is zero, which is certain because none underflows.
   if (std::abs(determinant) > bound_of_3x3 * magnitude || magnitude == 0) return sign(determinant);
   return exact_determinant_sign(a, b, c, eye);
@@ -93,6 +110,14 @@ int side_of_plane(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, co
 
 int orientation(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::vec3& d) {
   return side_of_plane(a, b, c, glm::vec4(d, 1));
+}
+
+SignedVolume signed_volume(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::vec3& d) {
+  if (d == a || d == b || d == c) return {0, 0};
+  const glm::dvec3 origin(a);
+  const auto [determinant, magnitude] =
+      determinant_of(glm::dvec3(b) - origin, glm::dvec3(c) - origin, glm::dvec3(d) - origin);
+  return {determinant, bound_of_3x3 * magnitude};
 }
 
 int normal_sign(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, int axis) {
@@ -114,12 +139,7 @@ EdgeSigns exact_edge_signs(const glm::vec3& a, const glm::vec3& b, const glm::ve
                            const glm::dvec3& offset, double pixel_x, double pixel_y) {
   ++fallback_count;
   const ExactProjection project({a, b}, eye, rows, offset);
-  const IntegerVector line = cross(project(a), project(b));
-  // 1 is among the values, so that the pixel's coordinates and the factor of C share their power of two.
-  const int exponent = common_exponent({pixel_x, pixel_y, 1.0});
-  const Integer at_pixel = line.x * scaled_integer(pixel_x, exponent) + line.y * scaled_integer(pixel_y, exponent) +
-                           line.z * scaled_integer(1.0, exponent);
-  return {sign(at_pixel), sign(line.x), sign(line.y)};
+  return signs_of_line(cross(project(a), project(b)), pixel_x, pixel_y);
 }
 
 int exact_facing(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::vec3& eye,
@@ -127,6 +147,26 @@ int exact_facing(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, con
   ++fallback_count;
   const ExactProjection project({a, b, c}, eye, rows, offset);
   return sign(dot(cross(project(a), project(b)), project(c)));
+}
+
+EdgeSigns exact_cut_signs(const std::array<glm::vec3, 3>& facet, const std::array<glm::vec3, 3>& plane,
+                          const glm::vec3& eye, const glm::dmat3& rows, const glm::dvec3& offset, double pixel_x,
+                          double pixel_y) {
+  ++fallback_count;
+  const int exponent = common_exponent({glm::dvec3(plane[0]), glm::dvec3(plane[1]), glm::dvec3(plane[2]),
+                                        glm::dvec3(facet[0]), glm::dvec3(facet[1]), glm::dvec3(facet[2])});
+  const IntegerVector origin = scaled_integers(plane[0], exponent);
+  const IntegerVector normal =
+      cross(scaled_integers(plane[1], exponent) - origin, scaled_integers(plane[2], exponent) - origin);
+  const ExactProjection project({facet[0], facet[1], facet[2]}, eye, rows, offset);
+  const IntegerVector corner[3] = {project(facet[0]), project(facet[1]), project(facet[2])};
+  IntegerVector line;
+  for (int i = 0; i < 3; ++i) {
+    const Integer volume = dot(normal, scaled_integers(facet[i], exponent) - origin);
+    const IntegerVector edge = cross(corner[(i + 1) % 3], corner[(i + 2) % 3]);
+    line = {line.x + volume * edge.x, line.y + volume * edge.y, line.z + volume * edge.z};
+  }
+  return signs_of_line(line, pixel_x, pixel_y);
 }
 
 unsigned long long exact_fallbacks() {

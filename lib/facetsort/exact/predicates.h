@@ -7,6 +7,7 @@
 // may allocate.
 #pragma once
 
+#include <array>
 #include <glm/glm.hpp>
 
 namespace facetsort {
@@ -18,6 +19,13 @@ int orientation(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, cons
 // The same with a homogeneous eye (w = 1 a point, w = 0 a direction) for d: the side of the plane of abc that the eye
 // is on, +1 for the side of the normal (front, for a counter-clockwise facet), 0 when the eye is in the plane.
 int side_of_plane(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::vec4& eye);
+
+// det[b - a, c - a, d - a], whose sign orientation() tells, as a filter computes it: in double, and a bound on the
+// rounding. Where d is one of a, b and c, value and bound are 0. Nothing underflows or overflows.
+struct SignedVolume {
+  double value, error;
+};
+SignedVolume signed_volume(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::vec3& d);
 
 // Sign of component `axis` (0, 1 or 2) of the normal (b - a) x (c - a): the turn that abc makes when the points are
 // projected along that axis, +1 for counter-clockwise as seen from its positive end.
@@ -43,6 +51,14 @@ EdgeSigns exact_edge_signs(const glm::vec3& a, const glm::vec3& b, const glm::ve
 // Sign of det[h(a), h(b), h(c)] with the same h. Always exact, without a filter.
 int exact_facing(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::vec3& eye,
                  const glm::dmat3& rows, const glm::dvec3& offset);
+
+// The same for the line in which the plane of one facet cuts another: the sum, over the corners i of `facet`, of the
+// signed volume of `plane` and corner i times the edge function h(corner i + 1) x h(corner i + 2). Times the sign of
+// det[h(facet)], it is positive where the point of the facet that is seen lies on the side of `plane` that its normal
+// points to. All signs are 0 when the facet lies in the plane. Always exact, without a filter; four microseconds.
+EdgeSigns exact_cut_signs(const std::array<glm::vec3, 3>& facet, const std::array<glm::vec3, 3>& plane,
+                          const glm::vec3& eye, const glm::dmat3& rows, const glm::dvec3& offset, double pixel_x,
+                          double pixel_y);
 
 // How often the calling thread has computed with multiple-precision integers; for statistics.
 unsigned long long exact_fallbacks();
