@@ -27,5 +27,6 @@ Verb add_order(CLI::App& program, const CommonOptions& common);
 Verb add_blend(CLI::App& program, const CommonOptions& common);
 Verb add_check(CLI::App& program, const CommonOptions& common);
 Verb add_compare(CLI::App& program, const CommonOptions& common);
+Verb add_stability(CLI::App& program, const CommonOptions& common);
 
 }  // namespace facetsort
