@@ -266,9 +266,9 @@ std::vector<Sweep> make_sweeps() {
       {"origin_distance", "Distance from the origin", "radii",
        "Four nested spheres and their eyes, 2.5 radii away, are moved from the origin. Rounding to float32 itself "
        "moves "
-       "every corner by up to 4e-8 of the distance: at 1e5 radii by a hundredth of a radius, so that the spheres are "
-       "rough; at 1e7 they are a lattice of a few points, where facets collapse and lie in one another. What is judged "
-       "is the order of the mesh so rounded.",
+       "every corner by up to 4e-8 of the distance: at 1e5 radii by four thousandths of a radius, so that the spheres "
+       "are rough; at 2e6 by more than the space between two of them, so that facets lie in one another and collapse. "
+       "What is judged is the order of the mesh so rounded.",
        stops({1, 10, 100, 1e3, 1e4, 1e5, 2e5, 3e5, 5e5, 7e5, 1e6, 2e6, 3e6, 1e7}), 0, far_from_origin},
       {"scale", "Overall scale", "units",
        "Four nested spheres of this radius, seen from 2.5 bounding radii. Float32 holds such coordinates to full "

@@ -78,15 +78,17 @@ std::string broken_text(const StabilitySweep& sweep, const SweepFindings& findin
 }
 
 std::string referees_text(const StabilitySweep& sweep, const SweepFindings& findings) {
-  if (findings.lists_stop.empty() && findings.embree_stop.empty()) return "Both referees judge throughout.";
-  const auto one = [&](const char* referee, const std::vector<PointRange>& stops) {
-    return stops.empty() ? join(referee, " judge", referee == std::string_view("Embree") ? "s" : "", " throughout")
-                         : join(referee, " cannot judge ", ranges_text(stops, sweep));
-  };
-  std::string text =
-      join(one("The per-pixel lists", findings.lists_stop), "; ", one("Embree", findings.embree_stop), ".");
+  const std::vector<PointRange>&lists = findings.lists_stop, &embree = findings.embree_stop;
+  if (lists.empty() && embree.empty()) return "Both referees judge throughout.";
+  if (lists == embree) {
+    return join("Neither referee can judge ", ranges_text(lists, sweep), ": nothing is said there.");
+  }
+  std::string text = lists.empty() ? "The per-pixel lists judge throughout"
+                                   : join("The per-pixel lists cannot judge ", ranges_text(lists, sweep));
+  text +=
+      embree.empty() ? "; Embree judges throughout." : join("; Embree cannot judge ", ranges_text(embree, sweep), ".");
   if (!findings.nobody_judges.empty()) {
-    text += join(" Nobody does ", ranges_text(findings.nobody_judges, sweep), ": nothing is said there.");
+    text += join(" Where neither can, ", ranges_text(findings.nobody_judges, sweep), ", nothing is said.");
   }
   return text;
 }

@@ -85,7 +85,8 @@ std::string first_points_html(const std::vector<PointRange>& ranges, const Stabi
 
 std::string overview_html(const Stability& stability) {
   std::string html =
-      "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Where each method breaks\"><table>\n"
+      "<div class=\"scroll\" tabindex=\"0\" role=\"region\" aria-label=\"Where each method breaks\"><table "
+      "class=\"overview\">\n"
       "<thead><tr><th scope=\"col\">condition</th>";
   for (std::size_t m = 0; m < stability.methods.size(); ++m) {
     html += join("<th scope=\"col\">", stability_mark(m), name_html(stability.methods[m]), "</th>");
@@ -115,7 +116,8 @@ std::string how_to_read_html(const Stability& stability) {
       "independent referee.</dd>\n"
       "<dt>breaks</dt><dd>More than ",
       right_enough_percent, thin,
-      "% is inverted. The overview has the mildest such value; two where it gets worse both ways.</dd>\n"
+      "% is inverted. The overview has the mildest such value, a dash where there is none, and two where it gets worse "
+      "both ways.</dd>\n"
       "<dt>not judged</dt><dd>Two facets at a pixel are judged when their depths differ by more than the rounding of "
       "the referee's own computation, and by nothing else. A pixel in which some pair is closer is left open; for "
       "Embree so is a ray that passes too near an edge to be told on which side. Facets that coincide, and those that "
@@ -195,7 +197,9 @@ std::string sweep_html(const StabilitySweep& sweep, const std::vector<std::strin
 constexpr std::string_view extra_style = R"css(
 .findings { border-left: 5px solid var(--line); padding-left: 14px; }
 .values tbody th { min-width: 96px; }
-td small { display: block; }
+.overview tbody th { min-width: 132px; white-space: normal; }
+td small, .overview th small { display: block; }
+.overview small { color: var(--muted); }
 .heat td.rate.muted { text-align: center; }
 )css";
 
