@@ -1,10 +1,12 @@
-// results.json and results.csv: the rows as they are, for programs.
+// results.json and results.csv of a comparison, stability.json and stability.csv: the rows as they are, for programs.
 #include <charconv>
 #include <nlohmann/json.hpp>
 #include <string>
 
 #include "facetsort/report/join.h"
 #include "facetsort/report/replace_file.h"
+#include "facetsort/report/stability.h"
+#include "facetsort/report/stability_findings.h"
 #include "facetsort/report/write_report.h"
 
 namespace facetsort {
@@ -61,6 +63,68 @@ Json row_json(const Row& row) {
           {"embree_unjudged", row.embree_unjudged}};
 }
 
+Json value_json(const StabilityPoint& point) {
+  return point.place.empty() ? Json(point.value) : Json(nullptr);
+}
+
+// The columns of both files: one row a sweep, point and method.
+Json stability_row_json(const StabilitySweep& sweep, const StabilityPoint& point, const std::string& method,
+                        const MethodErrors& errors, const std::optional<double>& inverted_rate) {
+  return {{"sweep", sweep.name},
+          {"value", value_json(point)},
+          {"place", point.place.empty() ? Json(nullptr) : Json(point.place)},
+          {"method", method},
+          {"facets", point.facets},
+          {"judged", inverted_rate.has_value()},
+          {"inverted_rate", or_null(inverted_rate)},
+          {"covered_pixels", point.lists.seen},
+          {"unjudged_pixels", point.lists.unjudged},
+          {"inverted_pixels", or_null(errors.inverted_pixels)},
+          {"wrong_pixels", or_null(errors.wrong_pixels)},
+          {"embree_rays", point.embree.seen},
+          {"embree_unjudged", point.embree.unjudged},
+          {"embree_inverted", or_null(errors.inverted_rays)}};
+}
+
+std::vector<Json> stability_rows_json(const Stability& stability) {
+  std::vector<Json> rows;
+  for (const StabilitySweep& sweep : stability.sweeps) {
+    for (const StabilityPoint& point : sweep.points) {
+      for (std::size_t m = 0; m < stability.methods.size(); ++m) {
+        rows.push_back(
+            stability_row_json(sweep, point, stability.methods[m], point.methods[m], point.inverted_rate(m)));
+      }
+    }
+  }
+  return rows;
+}
+
+// Where trouble begins, on either side of the mildest point.
+Json first_points_json(const std::vector<PointRange>& ranges, const StabilitySweep& sweep) {
+  Json points = Json::array();
+  for (const std::size_t i : first_points(ranges, sweep.mildest)) {
+    const StabilityPoint& point = sweep.points[i];
+    points.push_back(point.place.empty() ? Json(point.value) : Json(point.place));
+  }
+  return points;
+}
+
+Json stability_sweep_json(const StabilitySweep& sweep, const std::vector<std::string>& methods) {
+  const SweepFindings findings = find_breaks(sweep, methods.size());
+  Json breaks = Json::object();
+  for (std::size_t m = 0; m < methods.size(); ++m) {
+    breaks[methods[m]] = first_points_json(findings.broken[m], sweep);
+  }
+  return {{"name", sweep.name},
+          {"title", sweep.title},
+          {"unit", sweep.unit},
+          {"description", sweep.description},
+          {"breaks_at", breaks},
+          {"lists_stop_at", first_points_json(findings.lists_stop, sweep)},
+          {"embree_stops_at", first_points_json(findings.embree_stop, sweep)},
+          {"findings", findings_text(sweep, methods, [](const std::string& method) { return method; })}};
+}
+
 // On one line. File names need not be UTF-8, JSON must be: bytes that are not become U+FFFD.
 std::string to_text(const Json& value) {
   return value.dump(-1, ' ', false, Json::error_handler_t::replace);
@@ -85,6 +149,22 @@ std::string csv_text(const Json& value) {
   std::string text;
   for (const Json& element : value) text += join(text.empty() ? "" : ",", csv_text(element));
   return text;
+}
+
+// The line of names, and that of values.
+std::string csv_names(const Json& row) {
+  std::string line;
+  for (const auto& [name, value] : row.items()) line += join(line.empty() ? "" : ",", name);
+  return line + "\r\n";
+}
+std::string csv_fields(const Json& row) {
+  std::string line;
+  bool first = true;
+  for (const Json& field : row) {
+    line += join(first ? "" : ",", csv_field(csv_text(field)));
+    first = false;
+  }
+  return line + "\r\n";
 }
 
 Json mesh_json(const MeshSummary& mesh) {
@@ -117,19 +197,28 @@ Status write_json(const std::filesystem::path& path, const Comparison& compariso
 }
 
 Status write_csv(const std::filesystem::path& path, const Comparison& comparison) {
-  std::string text;
-  const Json columns = row_json(Row{});
-  for (const auto& [name, value] : columns.items()) text += join(text.empty() ? "" : ",", name);
-  text += "\r\n";
-  for (const Row& row : comparison.rows) {
-    const Json fields = row_json(row);
-    bool first = true;
-    for (const Json& field : fields) {
-      text += join(first ? "" : ",", csv_field(csv_text(field)));
-      first = false;
-    }
-    text += "\r\n";
-  }
+  std::string text = csv_names(row_json(Row{}));
+  for (const Row& row : comparison.rows) text += csv_fields(row_json(row));
+  return replace_file_content(path, text);
+}
+
+Status write_stability_json(const std::filesystem::path& path, const Stability& stability) {
+  std::string text = "{\n \"machine\": " + to_text(stability.machine);
+  text += ",\n \"command\": " + to_text(stability.command);
+  text += ",\n \"date\": " + to_text(stability.date);
+  text += ",\n \"size\": " + to_text(Json::array({stability.width, stability.height}));
+  text += ",\n \"views\": " + to_text(stability.views);
+  text += ",\n \"methods\": " + to_text(stability.methods);
+  text += ",\n \"sweeps\": " + array_text(stability.sweeps, [&](const StabilitySweep& sweep) {
+            return stability_sweep_json(sweep, stability.methods);
+          });
+  text += ",\n \"rows\": " + array_text(stability_rows_json(stability), [](const Json& row) { return row; }) + "\n}\n";
+  return replace_file_content(path, text);
+}
+
+Status write_stability_csv(const std::filesystem::path& path, const Stability& stability) {
+  std::string text = csv_names(stability_row_json({}, {}, {}, {}, {}));
+  for (const Json& row : stability_rows_json(stability)) text += csv_fields(row);
   return replace_file_content(path, text);
 }
 
