@@ -14,6 +14,7 @@
 #include "facetsort/facets/facets.h"
 
 #include "facetsort/order/method.h"
+#include "facetsort/order/key_sort.h"
 #include "facetsort/order/sorter.h"
 
 #include "facetsort/exact/predicates.h"

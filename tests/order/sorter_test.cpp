@@ -82,6 +82,8 @@ double true_key(const Mesh& mesh, const FacetFrame& frame, std::uint32_t facet, 
       return std::min({along(p[0]), along(p[1]), along(p[2])});
     case Method::farthest_vertex:
       return std::max({along(p[0]), along(p[1]), along(p[2])});
+    case Method::exact:
+      break;
   }
   return 0;
 }

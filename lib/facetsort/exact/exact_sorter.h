@@ -82,7 +82,8 @@ class ExactSorter {
   // Precondition: view.eye is finite; w = 1, or w = 0 and not a zero direction.
   std::span<const std::uint32_t> sort(const SortView& view);
 
-  // Of the last sort().
+  // Of the last sort(). The first call of statistics() after a sort() that cut something counts triangles, which takes
+  // time.
   Pieces pieces() const;
   const ExactStatistics& statistics() const;
   OrderedTriangles triangles() const;

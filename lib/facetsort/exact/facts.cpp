@@ -7,14 +7,12 @@
 // intersecting pairs, found anyway, save the comparison of every corner with every facet's plane.
 #include "facetsort/exact/facts.h"
 
-#include <tbb/parallel_invoke.h>
 #include <tbb/parallel_reduce.h>
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <bit>
 #include <cassert>
 #include <cstdint>
 #include <functional>
@@ -25,11 +23,14 @@
 #include <vector>
 
 #include "facetsort/base/parallel.h"
+#include "facetsort/exact/facet_hierarchy.h"
+#include "facetsort/exact/positions.h"
 #include "facetsort/exact/predicates.h"
 
 namespace facetsort {
 namespace {
 
+using namespace exact_internal;
 using FacetId = std::uint32_t;
 constexpr std::size_t grain = 1024;  // facets a task: tens of microseconds of predicates
 
@@ -38,34 +39,6 @@ struct Triangle {
   std::array<glm::vec3, 3> corner;
   std::array<std::uint32_t, 3> position;
 };
-
-// Maps each vertex to the smallest vertex index at its position. Positions compare by their bits (after -0 became 0),
-// so that vertices no facet uses may hold anything.
-std::vector<std::uint32_t> identify_positions(const MeshView& mesh) {
-  struct Vertex {
-    std::uint32_t x, y, z;  // bits of the coordinates
-    std::uint32_t index;
-
-    auto operator<=>(const Vertex&) const = default;
-  };
-  std::vector<Vertex> vertices(mesh.vertex_count());
-  parallel_ranges(vertices.size(), grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const glm::vec3 p = mesh.positions[i] + 0.0f;
-      vertices[i] = {std::bit_cast<std::uint32_t>(p.x), std::bit_cast<std::uint32_t>(p.y),
-                     std::bit_cast<std::uint32_t>(p.z), static_cast<std::uint32_t>(i)};
-    }
-  });
-  tbb::parallel_sort(vertices);
-  std::vector<std::uint32_t> position(vertices.size());
-  for (std::size_t i = 0; i < vertices.size(); ++i) {
-    const Vertex& vertex = vertices[i];
-    const Vertex& previous = vertices[i == 0 ? 0 : i - 1];
-    const bool same = i > 0 && vertex.x == previous.x && vertex.y == previous.y && vertex.z == previous.z;
-    position[vertex.index] = same ? position[previous.index] : vertex.index;
-  }
-  return position;
-}
 
 Triangle triangle_of(const MeshView& mesh, const std::vector<std::uint32_t>& position, std::size_t facet) {
   const glm::uvec3 t = mesh.triangles[facet];
@@ -170,113 +143,6 @@ bool intersect_apart_from_shared(const Triangle& s, const Triangle& t) {
   // With one shared corner the common part is star-shaped around it, and each of its rays ends on an edge opposite to
   // that corner: the edges at the corner need no test.
   return free_edge_meets_triangle(s, s_sides, s_shared, t) || free_edge_meets_triangle(t, t_sides, t_shared, s);
-}
-
-struct Bounds {
-  glm::vec3 lowest, highest;
-
-  void include(const Bounds& other) {
-    lowest = glm::min(lowest, other.lowest);
-    highest = glm::max(highest, other.highest);
-  }
-  bool overlaps(const Bounds& other) const {
-    return lowest.x <= other.highest.x && other.lowest.x <= highest.x && lowest.y <= other.highest.y &&
-           other.lowest.y <= highest.y && lowest.z <= other.highest.z && other.lowest.z <= highest.z;
-  }
-};
-
-// A balanced binary tree over facets in which the ranges of items, and so the shape of the tree, follow from the count
-// alone: the children of node n, 2 n + 1 and 2 n + 2, halve its range, and all leaves are on one level.
-class FacetHierarchy {
- public:
-  struct Item {
-    Bounds bounds;
-    FacetId facet;
-  };
-
-  explicit FacetHierarchy(std::vector<Item> items) : items_(std::move(items)) {
-    if (items_.empty()) return;
-    while (items_.size() >> levels_ > most_items_of_leaf) ++levels_;
-    nodes_.resize((std::size_t{2} << levels_) - 1);
-    build(0, 0, items_.size(), levels_);
-  }
-
-  const std::vector<Item>& items() const { return items_; }
-
-  // Calls visit(facet) for each item after position `first` whose bounds overlap those of the item at `first`.
-  template <typename Visit>
-  void for_each_later_overlap(std::size_t first, const Visit& visit) const {
-    struct Range {
-      std::size_t node, begin, end;
-    };
-    const Bounds& bounds = items_[first].bounds;
-    const std::size_t first_leaf = nodes_.size() / 2;
-    std::array<Range, 64> stack;
-    std::size_t depth = 0;
-    stack[depth++] = {0, 0, items_.size()};
-    while (depth > 0) {
-      const auto [node, begin, end] = stack[--depth];
-      if (end <= first + 1 || !nodes_[node].overlaps(bounds)) continue;
-      if (node < first_leaf) {
-        const std::size_t middle = begin + (end - begin) / 2;
-        stack[depth++] = {2 * node + 2, middle, end};
-        stack[depth++] = {2 * node + 1, begin, middle};
-        continue;
-      }
-      for (std::size_t i = std::max(begin, first + 1); i < end; ++i) {
-        if (items_[i].bounds.overlaps(bounds)) visit(items_[i].facet);
-      }
-    }
-  }
-
- private:
-  static constexpr std::size_t most_items_of_leaf = 4;
-
-  // Splits at the median of the box centres along the axis in which they spread most. Ties go by facet id, so that the
-  // tree is the same each time.
-  void build(std::size_t node, std::size_t begin, std::size_t end, int levels) {
-    if (levels == 0) {
-      nodes_[node] = items_[begin].bounds;
-      for (std::size_t i = begin + 1; i < end; ++i) nodes_[node].include(items_[i].bounds);
-      return;
-    }
-    const auto centre = [](const Item& item) { return 0.5f * item.bounds.lowest + 0.5f * item.bounds.highest; };
-    Bounds spread{centre(items_[begin]), centre(items_[begin])};
-    for (std::size_t i = begin + 1; i < end; ++i) spread.include({centre(items_[i]), centre(items_[i])});
-    const glm::vec3 extent = 0.5f * spread.highest - 0.5f * spread.lowest;  // halves: the difference may overflow
-    const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
-    const std::size_t middle = begin + (end - begin) / 2;
-    std::nth_element(items_.begin() + begin, items_.begin() + middle, items_.begin() + end,
-                     [&](const Item& a, const Item& b) {
-                       const float x = centre(a)[axis], y = centre(b)[axis];
-                       return x < y || (x == y && a.facet < b.facet);
-                     });
-    const auto build_left = [&] { build(2 * node + 1, begin, middle, levels - 1); };
-    const auto build_right = [&] { build(2 * node + 2, middle, end, levels - 1); };
-    if (end - begin > grain) {
-      tbb::parallel_invoke(build_left, build_right);
-    } else {
-      build_left();
-      build_right();
-    }
-    nodes_[node] = nodes_[2 * node + 1];
-    nodes_[node].include(nodes_[2 * node + 2]);
-  }
-
-  std::vector<Item> items_;
-  std::vector<Bounds> nodes_;
-  int levels_ = 0;
-};
-
-FacetHierarchy hierarchy_of(const MeshView& mesh, const std::vector<unsigned char>& degenerate) {
-  std::vector<FacetHierarchy::Item> items;
-  items.reserve(mesh.facet_count());
-  for (std::size_t f = 0; f < mesh.facet_count(); ++f) {
-    if (degenerate[f]) continue;
-    const glm::vec3 a = mesh.corner(f, 0), b = mesh.corner(f, 1), c = mesh.corner(f, 2);
-    items.push_back({{glm::min(a, glm::min(b, c)), glm::max(a, glm::max(b, c))}, static_cast<FacetId>(f)});
-  }
-  return FacetHierarchy(std::move(items));
 }
 
 // Facets connected through shared edges, by position; facets with fewer than three distinct positions are left out.

@@ -57,8 +57,8 @@ int exact_normal_sign(const glm::dvec2& a, const glm::dvec2& b, const glm::dvec2
   return sign(Integer(ux * vy - uy * vx));
 }
 
-// The sign of a line's function at a pixel, and of its direction. 1 is among the values, so that the pixel's coordinates
-// and the factor of line.z share their power of two.
+// The sign of a line's function at a pixel, and of its direction. 1 is among the values, so that the pixel's
+// coordinates and the factor of line.z share their power of two.
 EdgeSigns signs_of_line(const IntegerVector& line, double pixel_x, double pixel_y) {
   const int exponent = common_exponent({pixel_x, pixel_y, 1.0});
   const Integer at_pixel = line.x * scaled_integer(pixel_x, exponent) + line.y * scaled_integer(pixel_y, exponent) +

@@ -1,15 +1,8 @@
-// Depth keys and a least-significant-digit radix sort of them: three counting passes of 11, 11 and 10 bits over
-// (key, id), all three histograms counted while the keys are made, the last pass leaving ids alone.
-// Knuth, The Art of Computer Programming 3, 5.2.5; the order-preserving map from float32 bits to unsigned integers is
-// Terdiman's ("Radix Sort Revisited", 2000) and Herf's ("Radix Tricks", 2001).
 #include "facetsort/order/sorter.h"
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cassert>
 #include <cmath>
-#include <utility>
 
 #include "facetsort/base/parallel.h"
 
@@ -17,20 +10,6 @@ namespace facetsort {
 namespace {
 
 constexpr std::size_t facets_per_task = 32768;
-constexpr int digit_bits[3] = {11, 11, 10};
-constexpr int digit_shift[3] = {0, 11, 22};
-constexpr std::size_t buckets = 1u << 11;
-using Histograms = std::array<std::array<std::uint32_t, buckets>, 3>;
-
-std::uint32_t digit(std::uint32_t key, int pass) {
-  return (key >> digit_shift[pass]) & ((1u << digit_bits[pass]) - 1u);
-}
-
-// Unsigned integers that ascend as the floats descend: the farthest facet gets the smallest.
-std::uint32_t descending_bits(float key) {
-  const std::uint32_t bits = std::bit_cast<std::uint32_t>(key);
-  return (bits & 0x80000000u) != 0 ? bits : ~bits & 0x7fffffffu;
-}
 
 // key = dot(q, constant + linear * q), q being the facet's point in the mesh's frame.
 struct KeyForm {
@@ -77,6 +56,8 @@ Sorter::Sorter(const MeshView& mesh, Method method) : method_(method), frame_(fa
     case Method::farthest_vertex:
       for (int i = 0; i < 3; ++i) points_[i] = facet_corners(mesh, i, frame_);
       break;
+    case Method::exact:
+      assert(false && "not a depth key");
   }
 }
 
@@ -108,32 +89,7 @@ void Sorter::compute_keys(const SortView& view) {
 
 std::span<const std::uint32_t> Sorter::sort(const SortView& view) {
   compute_keys(view);
-  const std::size_t count = keys_.size();
-  entries_.resize(count);
-  scratch_.resize(count);
-  order_.resize(count);
-
-  Histograms ends{};
-  for (const float key : keys_) {
-    const std::uint32_t bits = descending_bits(key);
-    for (int pass = 0; pass < 3; ++pass) ++ends[pass][digit(bits, pass)];
-  }
-  for (auto& histogram : ends) {
-    std::uint32_t sum = 0;
-    for (std::uint32_t& bucket : histogram) sum += std::exchange(bucket, sum);
-  }
-
-  for (std::size_t facet = 0; facet < count; ++facet) {
-    const std::uint32_t bits = descending_bits(keys_[facet]);
-    entries_[ends[0][digit(bits, 0)]++] = std::uint64_t{bits} << 32 | facet;
-  }
-  for (const std::uint64_t entry : entries_) {
-    scratch_[ends[1][digit(static_cast<std::uint32_t>(entry >> 32), 1)]++] = entry;
-  }
-  for (const std::uint64_t entry : scratch_) {
-    order_[ends[2][digit(static_cast<std::uint32_t>(entry >> 32), 2)]++] = static_cast<std::uint32_t>(entry);
-  }
-  return order_;
+  return key_sort_.sort(keys_);
 }
 
 void Sorter::sort_indices(const SortView& view, std::span<const glm::uvec3> triangles,
@@ -167,8 +123,7 @@ std::size_t Sorter::prepared_bytes() const {
 }
 
 std::size_t Sorter::memory_bytes() const {
-  return prepared_bytes() + keys_.capacity() * sizeof(float) + order_.capacity() * sizeof(std::uint32_t) +
-         (entries_.capacity() + scratch_.capacity()) * sizeof(std::uint64_t);
+  return prepared_bytes() + keys_.capacity() * sizeof(float) + key_sort_.memory_bytes();
 }
 
 std::vector<std::uint32_t> sort_facets(const MeshView& mesh, const SortView& view, Method method) {

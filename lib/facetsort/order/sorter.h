@@ -9,6 +9,7 @@
 
 #include "facetsort/facets/facets.h"
 #include "facetsort/mesh/mesh_view.h"
+#include "facetsort/order/key_sort.h"
 #include "facetsort/order/method.h"
 
 namespace facetsort {
@@ -61,8 +62,7 @@ class Sorter {
   FacetFrame frame_;
   PointArrays points_[3];  // one set for the keys of one point a facet; three corners for nearest and farthest
   std::vector<float> keys_;
-  std::vector<std::uint64_t> entries_, scratch_;  // key bits and facet id
-  std::vector<std::uint32_t> order_;
+  KeySort key_sort_;
 };
 
 // One use: the order of one mesh for one view, by a depth key.

@@ -1,0 +1,674 @@
+#include "facetsort/exact/crossings.h"
+
+#include <tbb/parallel_sort.h>
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <limits>
+#include <map>
+#include <optional>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "facetsort/base/parallel.h"
+#include "facetsort/exact/facet_hierarchy.h"
+
+namespace facetsort::exact_internal {
+namespace {
+
+constexpr std::size_t items_per_chunk = 1024;
+constexpr std::size_t facets_per_task = 64;
+
+// An end of the segment that two crossing facets share: a vertex, or where an edge of one pierces the other.
+struct SegmentEnd {
+  bool is_vertex;
+  PointId vertex;
+  PointDefinition definition;
+  bool on_edge_of_first;
+};
+
+struct Segment {
+  SegmentEnd ends[2];
+};
+
+// The corner of a facet that is alone on its side of a plane, from the sides of all three; nothing where the plane does
+// not part the facet. Of the others, one may be in the plane.
+std::optional<int> lone_corner(const std::array<int, 3>& sides) {
+  const bool above = std::find(sides.begin(), sides.end(), 1) != sides.end();
+  const bool below = std::find(sides.begin(), sides.end(), -1) != sides.end();
+  if (!above || !below) return std::nullopt;
+  for (int i = 0; i < 3; ++i) {
+    if (sides[i] != 0 && sides[(i + 1) % 3] != sides[i] && sides[(i + 2) % 3] != sides[i]) return i;
+  }
+  return std::nullopt;
+}
+
+// Where the edge from corner i to corner j of a facet pierces the plane of another.
+SegmentEnd pierce(const PointSpace& space, FacetId facet, int i, int j, const std::array<int, 3>& sides, FacetId plane,
+                  bool on_edge_of_first) {
+  if (sides[j] == 0) return {true, space.corner(facet, j), {}, on_edge_of_first};
+  const auto [p, q] = std::minmax({space.corner(facet, i), space.corner(facet, j)});
+  return {false, 0, {PointDefinition::edge_and_plane, p, q, space.plane_of_facet[plane]}, on_edge_of_first};
+}
+
+// The segment that facets f and g share when each has area on both sides of the other's plane; nothing where they are
+// apart or meet in a point. Both meet the line of the two planes in an interval, each end of which is where an edge
+// pierces the other's plane; orientations of pairs of edges order the ends along the line, as in Guigue and Devillers
+// 2003, "Fast and Robust Triangle-Triangle Overlap Test Using Orientation Predicates".
+std::optional<Segment> shared_segment(const Points& points, FacetId f, FacetId g) {
+  const PointSpace& space = points.space();
+  std::array<int, 3> f_sides, g_sides;
+  for (int i = 0; i < 3; ++i) f_sides[i] = points.side(g, space.corner(f, i));
+  const std::optional<int> f_lone = lone_corner(f_sides);
+  if (!f_lone) return std::nullopt;
+  for (int i = 0; i < 3; ++i) g_sides[i] = points.side(f, space.corner(g, i));
+  const std::optional<int> g_lone = lone_corner(g_sides);
+  if (!g_lone) return std::nullopt;
+
+  const auto corner = [&](FacetId facet, int i) { return space.corner(facet, i % 3); };
+  // Side of the line through corners `from` and `to` of g, an edge of g's winding, on which f's edge to corner m pierces
+  // g's plane: +1 inside.
+  const auto inside = [&](int m, int from, int to) {
+    const PointId a = corner(f, *f_lone), b = corner(f, m), c = corner(g, from), d = corner(g, to);
+    if (a == c || a == d || b == c || b == d) return 0;
+    return -f_sides[*f_lone] * points.orientation(a, b, c, d);
+  };
+  const int f1 = (*f_lone + 1) % 3, f2 = (*f_lone + 2) % 3, g1 = (*g_lone + 1) % 3, g2 = (*g_lone + 2) % 3;
+  // f's interval is [first, second], g's starts at its edge to g1 and ends at its edge to g2.
+  const int first_after_start = inside(f1, *g_lone, g1), second_after_start = inside(f2, *g_lone, g1);
+  if (first_after_start <= 0 && second_after_start <= 0) return std::nullopt;
+  const int first_before_end = inside(f1, g2, *g_lone), second_before_end = inside(f2, g2, *g_lone);
+  if (first_before_end <= 0 && second_before_end <= 0) return std::nullopt;
+
+  Segment segment;
+  int ends = 0;
+  if (first_after_start > 0 && first_before_end > 0) {
+    segment.ends[ends++] = pierce(space, f, *f_lone, f1, f_sides, g, true);
+  }
+  if (second_after_start > 0 && second_before_end > 0) {
+    segment.ends[ends++] = pierce(space, f, *f_lone, f2, f_sides, g, true);
+  }
+  if (ends < 2 && (first_after_start <= 0 || second_after_start <= 0)) {
+    segment.ends[ends++] = pierce(space, g, *g_lone, g1, g_sides, f, false);
+  }
+  if (ends < 2 && (first_before_end <= 0 || second_before_end <= 0)) {
+    segment.ends[ends++] = pierce(space, g, *g_lone, g2, g_sides, f, false);
+  }
+  assert(ends == 2);
+  return segment;
+}
+
+// A pair of facets, the smaller first, and the ends of the segment that they share.
+struct Crossing {
+  FacetId f, g;
+  Segment segment;
+
+  bool operator<(const Crossing& other) const { return std::tie(f, g) < std::tie(other.f, other.g); }
+};
+
+struct Crossings {
+  std::vector<Crossing> found;  // sorted
+  std::size_t not_kept = 0;
+};
+
+// All crossings but, where there are many more than `most`, some: the same ones for any thread count.
+Crossings find_crossings(const Points& points, const std::vector<unsigned char>& degenerate, std::size_t most) {
+  const FacetHierarchy hierarchy = hierarchy_of(points.space().mesh, degenerate);
+  const std::size_t items = hierarchy.items().size();
+  const std::size_t chunks = (items + items_per_chunk - 1) / items_per_chunk;
+  const std::size_t most_of_chunk = most / std::max<std::size_t>(chunks, 1) + 64 * items_per_chunk;
+  struct Chunk {
+    std::vector<Crossing> found;
+    std::size_t not_kept = 0;
+  };
+  std::vector<Chunk> found(chunks);
+  parallel_ranges(chunks, 1, [&](std::size_t first, std::size_t last) {
+    for (std::size_t c = first; c < last; ++c) {
+      Chunk& chunk = found[c];
+      for (std::size_t i = c * items_per_chunk; i < std::min(items, (c + 1) * items_per_chunk); ++i) {
+        hierarchy.for_each_later_overlap(i, [&](FacetId other) {
+          const auto [f, g] = std::minmax({hierarchy.items()[i].facet, other});
+          if (points.space().plane_of_facet[f] == points.space().plane_of_facet[g]) return;
+          const std::optional<Segment> segment = shared_segment(points, f, g);
+          if (!segment) return;
+          if (chunk.found.size() >= most_of_chunk) {
+            ++chunk.not_kept;
+            return;
+          }
+          chunk.found.push_back({f, g, *segment});
+        });
+      }
+    }
+  });
+  Crossings crossings;
+  for (Chunk& chunk : found) {
+    crossings.found.insert(crossings.found.end(), chunk.found.begin(), chunk.found.end());
+    crossings.not_kept += chunk.not_kept;
+    chunk = {};
+  }
+  tbb::parallel_sort(crossings.found);
+  return crossings;
+}
+
+// Facet `facet` is to be cut along the plane of `by`.
+struct Task {
+  FacetId facet, by;
+
+  auto operator<=>(const Task&) const = default;
+};
+
+// Which facet of each pair is cut. Every new vertex costs two triangles, so few of them are wanted. A cut of f by g runs
+// along the line of their planes from edge to edge of f: where the segment they share ends on f's edge, that vertex
+// serves the cut of f's neighbour by g too; where it ends on g's edge, inside f, the cut has to be extended to some
+// point that serves nothing else. So a curve along which two sheets cross wants all its cuts in one of the sheets.
+class CutAssignment {
+ public:
+  explicit CutAssignment(const std::vector<Crossing>& crossings) : crossings_(crossings) {
+    find_links();
+    cut_first_.assign(crossings.size(), 0);
+    follow_curves();
+    improve();
+  }
+
+  std::vector<Task> tasks() const {
+    std::vector<Task> tasks;
+    tasks.reserve(crossings_.size());
+    for (std::size_t i = 0; i < crossings_.size(); ++i) {
+      const Crossing& crossing = crossings_[i];
+      tasks.push_back(cut_first_[i] ? Task{crossing.f, crossing.g} : Task{crossing.g, crossing.f});
+    }
+    tbb::parallel_sort(tasks);
+    return tasks;
+  }
+
+ private:
+  // Pairs of which a segment ends where one edge pierces one facet: the next pairs along the curve.
+  struct Link {
+    PointDefinition where;
+    std::uint32_t crossing;
+    std::uint8_t end;
+
+    auto operator<=>(const Link&) const = default;
+  };
+
+  // Cuts that end in a group's point: of facets whose edge it is on, and of the facet that it is inside of.
+  struct Cuts {
+    int at_edge = 0, inside = 0;
+  };
+
+  void find_links() {
+    for (std::uint32_t i = 0; i < crossings_.size(); ++i) {
+      for (std::uint8_t end = 0; end < 2; ++end) {
+        const SegmentEnd& e = crossings_[i].segment.ends[end];
+        if (!e.is_vertex) links_.push_back({e.definition, i, end});
+      }
+    }
+    tbb::parallel_sort(links_);
+    group_of_end_.assign(2 * crossings_.size(), no_group);
+    for (std::size_t i = 0; i < links_.size(); ++i) {
+      if (i == 0 || links_[i].where != links_[i - 1].where) group_begins_.push_back(i);
+      group_of_end_[2 * links_[i].crossing + links_[i].end] = static_cast<std::uint32_t>(group_begins_.size() - 1);
+    }
+    group_begins_.push_back(links_.size());
+    cuts_.assign(group_begins_.size() - 1, {});
+  }
+
+  bool on_cut_edge(std::size_t crossing, int end, bool cut_first) const {
+    return crossings_[crossing].segment.ends[end].on_edge_of_first == cut_first;
+  }
+
+  // What a cut adds to those there already, in half vertices. All cuts that end where an edge of g pierces f share one
+  // vertex if g and its neighbour are cut there; and one, a kink, if f is cut by both. The latter counts more: f can't
+  // always be parted at a kink without further vertices.
+  int cost(std::size_t crossing, bool cut_first) const {
+    int half_vertices = 0;
+    for (int end = 0; end < 2; ++end) {
+      const std::uint32_t group = group_of_end_[2 * crossing + end];
+      if (group == no_group) continue;
+      if (on_cut_edge(crossing, end, cut_first)) {
+        half_vertices += cuts_[group].at_edge == 0 ? 2 : 0;
+      } else {
+        half_vertices += cuts_[group].inside == 0 ? 3 : 0;
+      }
+    }
+    return half_vertices;
+  }
+
+  void count(std::size_t crossing, bool cut_first, int by) {
+    for (int end = 0; end < 2; ++end) {
+      const std::uint32_t group = group_of_end_[2 * crossing + end];
+      if (group == no_group) continue;
+      (on_cut_edge(crossing, end, cut_first) ? cuts_[group].at_edge : cuts_[group].inside) += by;
+    }
+  }
+
+  // Takes each curve as a whole: its pairs know which of their facets is of the one sheet and which of the other, and
+  // the sheet is cut in which that costs less.
+  void follow_curves() {
+    enum : unsigned char { unseen, first_in_sheet, second_in_sheet };
+    std::vector<unsigned char> side(crossings_.size(), unseen);
+    std::vector<std::uint32_t> curve;
+    for (std::uint32_t start = 0; start < crossings_.size(); ++start) {
+      if (side[start] != unseen) continue;
+      side[start] = first_in_sheet;
+      curve.assign(1, start);
+      for (std::size_t next = 0; next < curve.size(); ++next) {
+        const std::uint32_t crossing = curve[next];
+        for (int end = 0; end < 2; ++end) {
+          const std::uint32_t group = group_of_end_[2 * crossing + end];
+          if (group == no_group) continue;
+          const bool owner_is_first = crossings_[crossing].segment.ends[end].on_edge_of_first;
+          const bool owner_in_sheet = owner_is_first == (side[crossing] == first_in_sheet);
+          for (std::size_t i = group_begins_[group]; i < group_begins_[group + 1]; ++i) {
+            const Link& link = links_[i];
+            if (side[link.crossing] != unseen) continue;
+            const bool other_is_first = crossings_[link.crossing].segment.ends[link.end].on_edge_of_first;
+            side[link.crossing] = other_is_first == owner_in_sheet ? first_in_sheet : second_in_sheet;
+            curve.push_back(link.crossing);
+          }
+        }
+      }
+      const auto cut_first_in = [&](std::uint32_t crossing, bool sheet) {
+        return sheet == (side[crossing] == first_in_sheet);
+      };
+      int total[2] = {0, 0};
+      for (const bool sheet : {true, false}) {
+        for (const std::uint32_t crossing : curve) {
+          total[sheet] += cost(crossing, cut_first_in(crossing, sheet));
+          count(crossing, cut_first_in(crossing, sheet), 1);
+        }
+        for (const std::uint32_t crossing : curve) count(crossing, cut_first_in(crossing, sheet), -1);
+      }
+      const bool sheet = total[true] <= total[false];
+      for (const std::uint32_t crossing : curve) {
+        cut_first_[crossing] = cut_first_in(crossing, sheet);
+        count(crossing, cut_first_[crossing], 1);
+      }
+    }
+  }
+
+  // Turns single pairs round while that costs less.
+  void improve() {
+    constexpr int most_rounds = 8;
+    bool changed = true;
+    for (int round = 0; round < most_rounds && changed; ++round) {
+      changed = false;
+      for (std::size_t i = 0; i < crossings_.size(); ++i) {
+        const bool cut_first = cut_first_[i];
+        count(i, cut_first, -1);
+        const bool turned = cost(i, !cut_first) < cost(i, cut_first);
+        cut_first_[i] = turned != cut_first;
+        count(i, cut_first_[i], 1);
+        changed = changed || turned;
+      }
+    }
+  }
+
+  static constexpr std::uint32_t no_group = 0xffffffffu;
+
+  const std::vector<Crossing>& crossings_;
+  std::vector<Link> links_;
+  std::vector<std::size_t> group_begins_;
+  std::vector<std::uint32_t> group_of_end_;
+  std::vector<Cuts> cuts_;  // by group
+  std::vector<unsigned char> cut_first_;
+};
+
+// Cuts one facet along segments in it. The usual step is that of a BSP: the polygon is cut in two along a segment's
+// line. Where two segments meet in a kink inside the polygon, that would extend one of them beyond the kink to a vertex
+// that serves nothing; there the polygon is cut into three wedges instead, by rays from the kink along the segments and
+// to corners of the facet. (A ray to corner c lies in the plane through c and the edge that pierces the facet in the
+// kink.)
+class FacetCutter {
+ public:
+  FacetCutter(Points& points, FacetId facet, PartList& pieces) : points_(points), facet_(facet), pieces_(pieces) {}
+
+  std::size_t cuts() const { return cuts_; }
+
+  void add_segment(PlaneId plane, const SegmentEnd (&ends)[2]) {
+    segments_.push_back({plane, {point_of(ends[0]), point_of(ends[1])}});
+  }
+
+  void cut() { cut(whole_facet(points_.space(), facet_), std::move(segments_)); }
+
+ private:
+  struct CutSegment {
+    PlaneId plane;
+    PointId ends[2];
+  };
+  using Segments = std::vector<CutSegment>;
+
+  // A cut from a kink to the polygon's boundary: to `hit` on the edge after corner `edge`, or that corner itself.
+  struct Ray {
+    PlaneId plane;
+    PointId hit;
+    std::size_t edge;
+  };
+
+  PointId point_of(const SegmentEnd& end) {
+    if (end.is_vertex) return end.vertex;
+    const auto [place, is_new] = ids_.try_emplace(end.definition, 0);
+    if (is_new) place->second = points_.add(end.definition);
+    return place->second;
+  }
+
+  void cut(const Polygon& polygon, Segments segments) {
+    while (!segments.empty()) {
+      if (segments.size() > 1 && cut_at_kink(polygon, segments)) return;
+      const std::size_t chosen = cheapest(segments);
+      const PlaneId plane = segments[chosen].plane;
+      Polygon front, back;
+      if (!cut_in_two(points_, facet_, polygon, plane, front, back, sides_)) {
+        segments.erase(segments.begin() + static_cast<std::ptrdiff_t>(chosen));  // it runs along the polygon's edge
+        continue;
+      }
+      ++cuts_;
+      Segments front_segments, back_segments;
+      for (const CutSegment& segment : segments) distribute(segment, plane, front_segments, back_segments);
+      cut(front, std::move(front_segments));
+      cut(back, std::move(back_segments));
+      return;
+    }
+    pieces_.add(facet_, polygon.corners, polygon.cuts);
+  }
+
+  void distribute(const CutSegment& segment, PlaneId plane, Segments& front, Segments& back) {
+    const int first = points_.side(plane, segment.ends[0]), second = points_.side(plane, segment.ends[1]);
+    if (first == 0 && second == 0) return;
+    if (first * second >= 0) {
+      (first + second > 0 ? front : back).push_back(segment);
+      return;
+    }
+    std::array<PlaneId, 3> planes = {points_.same_plane(facet_), segment.plane, plane};
+    std::sort(planes.begin(), planes.end());
+    const PointId meeting = points_.add({PointDefinition::three_planes, planes[0], planes[1], planes[2]});
+    front.push_back({segment.plane, {first > 0 ? segment.ends[0] : segment.ends[1], meeting}});
+    back.push_back({segment.plane, {first < 0 ? segment.ends[0] : segment.ends[1], meeting}});
+  }
+
+  // The segment whose line parts the fewest of the others; of those, the one that parts them most evenly.
+  std::size_t cheapest(const Segments& segments) const {
+    constexpr std::size_t most_tried = 24;
+    if (segments.size() == 1) return 0;
+    const std::size_t step = (segments.size() + most_tried - 1) / most_tried;
+    std::size_t best = 0;
+    std::pair<std::size_t, std::size_t> best_cost{std::numeric_limits<std::size_t>::max(), 0};
+    for (std::size_t i = 0; i < segments.size(); i += step) {
+      std::size_t parted = 0, front = 0, back = 0;
+      for (const CutSegment& segment : segments) {
+        const int first = points_.side(segments[i].plane, segment.ends[0]);
+        const int second = points_.side(segments[i].plane, segment.ends[1]);
+        parted += first * second < 0;
+        front += first + second > 0;
+        back += first + second < 0;
+      }
+      const std::pair<std::size_t, std::size_t> cost{parted, std::max(front, back)};
+      if (cost < best_cost) {
+        best_cost = cost;
+        best = i;
+      }
+    }
+    return best;
+  }
+
+  // The polygon's edge that the point lies on, by its first corner; nothing where it is inside.
+  std::optional<std::size_t> edge_at(const Polygon& polygon, PointId point) const {
+    for (std::size_t i = 0; i < polygon.corners.size(); ++i) {
+      if (polygon.corners[i].point == point) return i;
+    }
+    for (std::size_t i = 0; i < polygon.corners.size(); ++i) {
+      const Line line = polygon.corners[i].line;
+      if (!is_facet_edge(line)) {
+        if (points_.side(line, point) == 0) return i;
+      } else if (!points_.is_vertex(point) && points_.definition(point).kind == PointDefinition::edge_and_plane) {
+        const int opposite = static_cast<int>(line & ~facet_edge);
+        const auto [p, q] = std::minmax({points_.space().corner(facet_, (opposite + 1) % 3),
+                                         points_.space().corner(facet_, (opposite + 2) % 3)});
+        const PointDefinition& definition = points_.definition(point);
+        if (definition.a == p && definition.b == q) return i;
+      }
+    }
+    return std::nullopt;
+  }
+
+  bool cut_at_kink(const Polygon& polygon, const Segments& segments) {
+    constexpr std::size_t most_segments = 24;
+    if (segments.size() > most_segments) return false;
+    for (const CutSegment& segment : segments) {
+      for (const PointId kink : segment.ends) {
+        if (points_.is_vertex(kink) || points_.definition(kink).kind != PointDefinition::edge_and_plane) continue;
+        if (cut_at(polygon, segments, kink)) return true;
+      }
+    }
+    return false;
+  }
+
+  bool cut_at(const Polygon& polygon, const Segments& segments, PointId kink) {
+    std::vector<Ray> rays;
+    int met = 0;
+    for (const CutSegment& segment : segments) {
+      if (segment.ends[0] != kink && segment.ends[1] != kink) continue;
+      ++met;
+      const PointId other = segment.ends[segment.ends[0] == kink];
+      const std::optional<std::size_t> edge = edge_at(polygon, other);
+      if (edge) rays.push_back({segment.plane, other, *edge});
+    }
+    if (met != 2 || rays.empty() || edge_at(polygon, kink)) return false;
+
+    // Corners of the facet that are still corners of the polygon.
+    const PointDefinition pierced_by = points_.definition(kink);
+    std::vector<std::size_t> corners;
+    for (std::size_t i = 0; i < polygon.corners.size(); ++i) {
+      const PointId point = polygon.corners[i].point;
+      if (points_.is_vertex(point) && point != pierced_by.a && point != pierced_by.b) corners.push_back(i);
+    }
+    const auto ray_to_corner = [&](std::size_t corner) {
+      const PointId point = polygon.corners[corner].point;
+      return Ray{points_.add_plane({pierced_by.a, pierced_by.b, point}), point, corner};
+    };
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      if (rays.size() == 2) {
+        if (cut_along({rays[0], rays[1], ray_to_corner(corners[i])}, polygon, segments, kink)) return true;
+        continue;
+      }
+      for (std::size_t j = i + 1; j < corners.size(); ++j) {
+        if (cut_along({rays[0], ray_to_corner(corners[i]), ray_to_corner(corners[j])}, polygon, segments, kink)) {
+          return true;
+        }
+      }
+    }
+    return false;
+  }
+
+  // Cuts the polygon into the wedges between three rays, where all of them are convex and no other segment crosses a
+  // ray.
+  bool cut_along(std::array<Ray, 3> rays, const Polygon& polygon, const Segments& segments, PointId kink) {
+    const std::size_t count = polygon.corners.size();
+    std::sort(rays.begin(), rays.end(), [&](const Ray& a, const Ray& b) {
+      if (a.edge != b.edge) return a.edge < b.edge;
+      const PointId corner = polygon.corners[a.edge].point;
+      if (a.hit == corner || b.hit == corner) return a.hit == corner && b.hit != corner;
+      return points_.side(a.plane, corner) * points_.side(a.plane, b.hit) < 0;
+    });
+    std::array<int, 3> left{}, right{};  // sides of each ray's plane that the wedges after and before it are on
+    for (int k = 0; k < 3; ++k) {
+      left[k] = points_.side(rays[k].plane, polygon.corners[(rays[k].edge + 1) % count].point);
+      right[k] = -left[k];
+      if (left[k] == 0) return false;
+    }
+    for (int k = 0; k < 3; ++k) {
+      const Ray &from = rays[k], &to = rays[(k + 1) % 3];
+      if (points_.side(from.plane, to.hit) != left[k] || points_.side(to.plane, from.hit) != right[(k + 1) % 3]) {
+        return false;
+      }
+    }
+    std::array<Segments, 3> wedge_segments;
+    for (const CutSegment& segment : segments) {
+      int wedges = 0;
+      for (int k = 0; k < 3; ++k) {
+        const int next = (k + 1) % 3;
+        const int a0 = points_.side(rays[k].plane, segment.ends[0]) * left[k];
+        const int a1 = points_.side(rays[k].plane, segment.ends[1]) * left[k];
+        const int b0 = points_.side(rays[next].plane, segment.ends[0]) * right[next];
+        const int b1 = points_.side(rays[next].plane, segment.ends[1]) * right[next];
+        if (a0 < 0 || a1 < 0 || b0 < 0 || b1 < 0) continue;
+        ++wedges;
+        const bool along_ray = (a0 == 0 && a1 == 0) || (b0 == 0 && b1 == 0);
+        if (!along_ray) wedge_segments[k].push_back(segment);
+      }
+      if (wedges == 0) return false;
+    }
+
+    cuts_ += 2;
+    for (int k = 0; k < 3; ++k) {
+      const Ray &from = rays[k], &to = rays[(k + 1) % 3];
+      Polygon wedge;
+      wedge.corners.push_back({kink, from.plane});
+      wedge.corners.push_back({from.hit, polygon.corners[from.edge].line});
+      const bool on_one_edge = k < 2 && from.edge == to.edge;
+      for (std::size_t i = (from.edge + 1) % count; !on_one_edge; i = (i + 1) % count) {
+        if (polygon.corners[i].point == to.hit) break;
+        wedge.corners.push_back(polygon.corners[i]);
+        if (i == to.edge) break;
+      }
+      wedge.corners.push_back({to.hit, to.plane});
+      wedge.cuts = polygon.cuts;
+      wedge.cuts.push_back({from.plane, left[k]});
+      wedge.cuts.push_back({to.plane, right[(k + 1) % 3]});
+      keep_bounding_cuts(wedge);
+      cut(wedge, std::move(wedge_segments[k]));
+    }
+    return true;
+  }
+
+  Points& points_;
+  FacetId facet_;
+  PartList& pieces_;
+  Segments segments_;
+  std::map<PointDefinition, PointId> ids_;
+  std::vector<int> sides_;
+  std::size_t cuts_ = 0;
+};
+
+// The parts of one facet, with points of their own after those of the mesh.
+struct CutFacet {
+  std::optional<Points> points;
+  PartList pieces;
+  std::size_t cuts = 0;
+};
+
+CutFacet cut_facet(const Points& mesh_points, std::span<const Task> tasks) {
+  CutFacet result;
+  result.points.emplace(&mesh_points);
+  const FacetId facet = tasks.front().facet;
+  FacetCutter cutter(*result.points, facet, result.pieces);
+  for (const Task& task : tasks) {
+    const std::optional<Segment> segment = shared_segment(mesh_points, facet, task.by);
+    cutter.add_segment(mesh_points.same_plane(task.by), segment->ends);
+  }
+  cutter.cut();
+  result.cuts = cutter.cuts();
+  return result;
+}
+
+// Moves the parts of one facet to the whole mesh's, points that are there already included.
+class Merger {
+ public:
+  Merger(Points& points, PartList& pieces) : points_(points), pieces_(pieces) {}
+
+  void add(const CutFacet& facet) {
+    std::vector<PartCorner> corners;
+    std::vector<Cut> cuts;
+    planes_.clear();
+    for (const Part& part : facet.pieces.parts) {
+      corners.clear();
+      cuts.clear();
+      for (const PartCorner& corner : facet.pieces.corners_of(part)) {
+        const Line line = is_facet_edge(corner.line) ? corner.line : plane_of(facet, corner.line);
+        corners.push_back({point_of(facet, corner.point), line});
+      }
+      for (const Cut& cut : facet.pieces.cuts_of(part)) cuts.push_back({plane_of(facet, cut.plane), cut.side});
+      pieces_.add(part.facet, corners, cuts);
+    }
+  }
+
+ private:
+  PlaneId plane_of(const CutFacet& facet, PlaneId plane) {
+    if (plane < points_.space().mesh.facet_count()) return plane;
+    const auto [place, is_new] = planes_.try_emplace(plane, 0);
+    if (is_new) place->second = points_.add_plane(facet.points->plane_vertices(plane));
+    return place->second;
+  }
+
+  PointId point_of(const CutFacet& facet, PointId point) {
+    if (points_.is_vertex(point)) return point;
+    PointDefinition definition = facet.points->definition(point);
+    if (definition.kind == PointDefinition::edge_and_plane) {
+      definition.c = plane_of(facet, definition.c);
+    } else {
+      std::array<PlaneId, 3> planes = {plane_of(facet, definition.a), plane_of(facet, definition.b),
+                                       plane_of(facet, definition.c)};
+      std::sort(planes.begin(), planes.end());
+      definition = {definition.kind, planes[0], planes[1], planes[2]};
+    }
+    const auto [place, is_new] = ids_.try_emplace(definition, 0);
+    if (is_new) place->second = points_.add(definition);
+    return place->second;
+  }
+
+  Points& points_;
+  PartList& pieces_;
+  std::map<PointDefinition, PointId> ids_;
+  std::map<PlaneId, PlaneId> planes_;  // of the facet being added
+};
+
+}  // namespace
+
+PartedFacets part_crossing_facets(Points& points, const std::vector<unsigned char>& degenerate,
+                                  std::size_t most_triangles) {
+  PartedFacets result;
+  const std::size_t facets = points.space().mesh.facet_count();
+  const Crossings crossings = find_crossings(points, degenerate, most_triangles);
+  result.crossing_pairs = crossings.found.size() + crossings.not_kept;
+  result.uncut_pairs = crossings.not_kept;
+  const std::vector<Task> tasks = CutAssignment(crossings.found).tasks();
+  std::vector<std::size_t> begins;
+  for (std::size_t i = 0; i < tasks.size(); ++i) {
+    if (i == 0 || tasks[i].facet != tasks[i - 1].facet) begins.push_back(i);
+  }
+  begins.push_back(tasks.size());
+
+  // In batches, so that what is cut in vain beyond the limit stays small.
+  constexpr std::size_t batch_size = 4096;
+  Merger merger(points, result.pieces);
+  std::size_t triangles = facets;
+  std::vector<CutFacet> batch;
+  for (std::size_t begin = 0; begin + 1 < begins.size(); begin += batch_size) {
+    const std::size_t end = std::min(begins.size() - 1, begin + batch_size);
+    batch.clear();
+    batch.resize(end - begin);
+    const Points base(points.space());
+    parallel_ranges(end - begin, facets_per_task, [&](std::size_t first, std::size_t last) {
+      for (std::size_t i = first; i < last; ++i) {
+        const std::size_t from = begins[begin + i], to = begins[begin + i + 1];
+        batch[i] = cut_facet(base, std::span(tasks).subspan(from, to - from));
+      }
+    });
+    for (std::size_t i = 0; i < batch.size(); ++i) {
+      // Each new point adds at most two triangles: one on either side of its edge.
+      const std::size_t added = 2 * (batch[i].points->size() - base.size()) + 2 * batch[i].cuts;
+      if (triangles + added > most_triangles) {
+        result.uncut_pairs += begins[begin + i + 1] - begins[begin + i];
+        continue;
+      }
+      triangles += added;
+      result.cuts += batch[i].cuts;
+      merger.add(batch[i]);
+    }
+  }
+  return result;
+}
+
+}  // namespace facetsort::exact_internal

@@ -1,0 +1,263 @@
+#include "facetsort/exact/elements.h"
+
+#include <tbb/parallel_invoke.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "facetsort/base/parallel.h"
+
+namespace facetsort::exact_internal {
+namespace {
+
+constexpr std::size_t elements_per_task = 4096;
+constexpr std::size_t leaf_size = 8;
+
+struct Item {
+  float centre[3];
+  float radius;  // a large facet is kept apart from small ones: it would bloat their box
+  std::uint32_t part;  // facet count + piece, or facet
+};
+
+// Splits at multiples of whole subtrees of leaves, along the widest of the three coordinates and the radius.
+void sort_spatially(Item* begin, Item* end) {
+  const std::size_t count = static_cast<std::size_t>(end - begin);
+  if (count <= leaf_size) return;
+  const auto coordinate = [](const Item& item, int axis) { return axis < 3 ? item.centre[axis] : item.radius; };
+  float lowest[4], highest[4];
+  std::fill_n(lowest, 4, std::numeric_limits<float>::max());
+  std::fill_n(highest, 4, std::numeric_limits<float>::lowest());
+  for (const Item* item = begin; item != end; ++item) {
+    for (int axis = 0; axis < 4; ++axis) {
+      lowest[axis] = std::min(lowest[axis], coordinate(*item, axis));
+      highest[axis] = std::max(highest[axis], coordinate(*item, axis));
+    }
+  }
+  int widest = 0;
+  for (int axis = 1; axis < 4; ++axis) {
+    if (highest[axis] - lowest[axis] > highest[widest] - lowest[widest]) widest = axis;
+  }
+  const std::size_t leaves = (count + leaf_size - 1) / leaf_size;
+  Item* middle = begin + std::bit_ceil(leaves) / 2 * leaf_size;
+  std::nth_element(begin, middle, end, [&](const Item& a, const Item& b) {
+    const float x = coordinate(a, widest), y = coordinate(b, widest);
+    return x < y || (x == y && a.part < b.part);
+  });
+  if (count > elements_per_task) {
+    tbb::parallel_invoke([&] { sort_spatially(begin, middle); }, [&] { sort_spatially(middle, end); });
+  } else {
+    sort_spatially(begin, middle);
+    sort_spatially(middle, end);
+  }
+}
+
+FilteredPlane filtered_plane(const MeshView& mesh, FacetId facet) {
+  const glm::dvec3 a(mesh.corner(facet, 0));
+  const glm::dvec3 u = glm::dvec3(mesh.corner(facet, 1)) - a, v = glm::dvec3(mesh.corner(facet, 2)) - a;
+  double largest = 0;
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    largest = std::max(largest, std::abs(u[j] * v[k]) + std::abs(u[k] * v[j]));
+  }
+  return {glm::cross(u, v), 0x1p-49 * largest, mesh.corner(facet, 0)};
+}
+
+class Builder {
+ public:
+  Builder(const Points& points, const PartList& pieces, const std::vector<unsigned char>& degenerate)
+      : points_(points), mesh_(points.space().mesh), pieces_(pieces), degenerate_(degenerate) {}
+
+  Elements build(bool crossing_facets_left) {
+    elements_.frame = facet_frame(facet_bounds(mesh_));
+    const std::vector<Item> items = sorted_items();
+    lay_out(items);
+    find_fans(crossing_facets_left);
+    return std::move(elements_);
+  }
+
+ private:
+  std::size_t facets() const { return mesh_.facet_count(); }
+
+  glm::dvec3 in_frame(PointId point) const {
+    return (points_.position(point) - elements_.frame.origin) * elements_.frame.scale;
+  }
+
+  template <typename Visit>
+  void for_each_corner(std::uint32_t part, const Visit& visit) const {
+    if (part < facets()) {
+      for (int i = 0; i < 3; ++i) visit(points_.space().corner(part, i));
+    } else {
+      for (const PartCorner& corner : pieces_.corners_of(pieces_.parts[part - facets()])) visit(corner.point);
+    }
+  }
+
+  std::vector<Item> sorted_items() const {
+    std::vector<unsigned char> is_cut(facets());
+    for (const Part& piece : pieces_.parts) is_cut[piece.facet] = 1;
+    std::vector<Item> items;
+    items.reserve(facets() + pieces_.parts.size());
+    for (std::uint32_t facet = 0; facet < facets(); ++facet) {
+      if (!is_cut[facet]) items.push_back({{}, 0, facet});
+    }
+    for (std::uint32_t piece = 0; piece < pieces_.parts.size(); ++piece) {
+      items.push_back({{}, 0, static_cast<std::uint32_t>(facets()) + piece});
+    }
+    parallel_ranges(items.size(), elements_per_task, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        glm::dvec3 lowest(INFINITY), highest(-INFINITY);
+        for_each_corner(items[i].part, [&](PointId point) {
+          lowest = glm::min(lowest, in_frame(point));
+          highest = glm::max(highest, in_frame(point));
+        });
+        const glm::vec3 centre((lowest + highest) / 2.0);
+        for (int k = 0; k < 3; ++k) items[i].centre[k] = centre[k];
+        items[i].radius = static_cast<float>(glm::length(highest - lowest) / 2);
+      }
+    });
+    sort_spatially(items.data(), items.data() + items.size());
+    return items;
+  }
+
+  void lay_out(const std::vector<Item>& items) {
+    const std::size_t count = items.size();
+    Elements& e = elements_;
+    e.facet.resize(count);
+    e.draw_id.resize(count);
+    e.has_area.resize(count);
+    e.plane.resize(count);
+    e.longest_edge_squared.resize(count);
+    e.first_corner.assign(1, 0);
+    e.element_of_draw_id.assign(facets() + pieces_.parts.size(), no_element);
+    std::vector<std::uint32_t> slot_of(points_.size(), no_element);
+    for (std::uint32_t i = 0; i < count; ++i) {
+      const std::uint32_t part = items[i].part;
+      e.facet[i] = part < facets() ? part : pieces_.parts[part - facets()].facet;
+      e.draw_id[i] = part;
+      e.element_of_draw_id[part] = i;
+      for_each_corner(part, [&](PointId point) {
+        if (slot_of[point] == no_element) {
+          slot_of[point] = static_cast<std::uint32_t>(e.slot_point.size());
+          e.slot_point.push_back(point);
+        }
+        e.corner_point.push_back(point);
+        e.corner_slot.push_back(slot_of[point]);
+      });
+      e.first_corner.push_back(static_cast<std::uint32_t>(e.corner_point.size()));
+    }
+    e.slot_position.resize(e.slot_point.size());
+    for (std::size_t slot = 0; slot < e.slot_point.size(); ++slot) {
+      e.slot_position[slot] = in_frame(e.slot_point[slot]);
+      e.extent = glm::max(e.extent, glm::abs(e.slot_position[slot]));
+    }
+    parallel_ranges(count, elements_per_task, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t i = begin; i < end; ++i) {
+        e.has_area[i] = !degenerate_[e.facet[i]];
+        e.plane[i] = filtered_plane(mesh_, e.facet[i]);
+        const auto slots = e.slots(static_cast<std::uint32_t>(i));
+        double longest = 0;
+        for (const std::uint32_t a : slots) {
+          for (const std::uint32_t b : slots) {
+            const glm::dvec3 edge = e.slot_position[a] - e.slot_position[b];
+            longest = std::max(longest, glm::dot(edge, edge));
+          }
+        }
+        e.longest_edge_squared[i] = std::nextafter(static_cast<float>(longest), INFINITY);
+      }
+    });
+  }
+
+  void find_fans(bool crossing_facets_left) {
+    Elements& e = elements_;
+    const std::size_t slots = e.slot_point.size();
+    std::vector<std::uint32_t> begin(slots + 1), around(e.corner_slot.size());
+    for (const std::uint32_t slot : e.corner_slot) ++begin[slot + 1];
+    for (std::size_t slot = 0; slot < slots; ++slot) begin[slot + 1] += begin[slot];
+    std::vector<std::uint32_t> next(begin.begin(), begin.end() - 1);
+    for (std::uint32_t i = 0; i < e.count(); ++i) {
+      for (const std::uint32_t slot : e.slots(i)) around[next[slot]++] = i;
+    }
+    std::vector<unsigned char> simple(slots);
+    parallel_ranges(slots, elements_per_task, [&](std::size_t first, std::size_t last) {
+      for (std::size_t slot = first; slot < last; ++slot) {
+        simple[slot] = !crossing_facets_left &&
+                       is_simple_fan(static_cast<std::uint32_t>(slot),
+                                     std::span(around).subspan(begin[slot], begin[slot + 1] - begin[slot]));
+      }
+    });
+    e.fan_begin.assign(1, 0);
+    for (std::size_t slot = 0; slot < slots; ++slot) {
+      if (simple[slot]) {
+        e.fan_element.insert(e.fan_element.end(), around.begin() + begin[slot], around.begin() + begin[slot + 1]);
+      }
+      e.fan_begin.push_back(static_cast<std::uint32_t>(e.fan_element.size()));
+    }
+  }
+
+  bool is_simple_fan(std::uint32_t slot, std::span<const std::uint32_t> around) const {
+    constexpr std::size_t most_facets = 32;
+    const std::size_t count = around.size();
+    if (count < 3 || count > most_facets) return false;
+    std::uint32_t out[most_facets], in[most_facets];  // each facet runs from the fan's vertex to `out`, to `in`, and back
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::uint32_t element = around[i];
+      if (elements_.draw_id[element] >= facets() || !elements_.has_area[element]) return false;
+      const auto corner = elements_.slots(element);
+      const int place = corner[0] == slot ? 0 : corner[1] == slot ? 1 : 2;
+      out[i] = corner[(place + 1) % 3];
+      in[i] = corner[(place + 2) % 3];
+    }
+    // From each facet over its edge to the next, once round.
+    std::size_t at = 0, visited = 0;
+    std::size_t sequence[most_facets];
+    do {
+      sequence[visited++] = at;
+      std::size_t found = count, matches = 0;
+      for (std::size_t i = 0; i < count; ++i) {
+        if (out[i] == in[at]) {
+          found = i;
+          ++matches;
+        }
+      }
+      if (matches != 1) return false;
+      at = found;
+    } while (at != 0 && visited < count);
+    if (at != 0 || visited != count) return false;
+    for (std::size_t i = 0; i < count; ++i) {
+      for (std::size_t j = i + 2; j < count; ++j) {
+        if (i == 0 && j == count - 1) continue;
+        const FacetId f = elements_.facet[around[sequence[i]]];
+        const std::size_t g = sequence[j];
+        if (points_.side(f, elements_.slot_point[out[g]]) == 0 && points_.side(f, elements_.slot_point[in[g]]) == 0) {
+          return false;
+        }
+      }
+    }
+    return true;
+  }
+
+  const Points& points_;
+  const MeshView mesh_;
+  const PartList& pieces_;
+  const std::vector<unsigned char>& degenerate_;
+  Elements elements_;
+};
+
+}  // namespace
+
+std::size_t Elements::memory_bytes() const {
+  const auto bytes = [](const auto&... vectors) {
+    return ((vectors.capacity() * sizeof(typename std::decay_t<decltype(vectors)>::value_type)) + ...);
+  };
+  return bytes(facet, draw_id, has_area, plane, longest_edge_squared, first_corner, corner_point, corner_slot, slot_point,
+               slot_position, fan_begin, fan_element, element_of_draw_id);
+}
+
+Elements make_elements(const Points& points, const PartList& pieces, const std::vector<unsigned char>& degenerate,
+                       bool crossing_facets_left) {
+  return Builder(points, pieces, degenerate).build(crossing_facets_left);
+}
+
+}  // namespace facetsort::exact_internal

@@ -1,0 +1,64 @@
+// Internal to exact: the parts of a mesh that an order is made of, laid out for sorting, and what does not depend on the
+// view.
+#pragma once
+
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+#include "facetsort/exact/parts.h"
+#include "facetsort/exact/points.h"
+#include "facetsort/facets/facets.h"
+
+namespace facetsort::exact_internal {
+
+inline constexpr std::uint32_t no_element = 0xffffffffu;
+
+// The plane of a facet with a bound for its filter: with d = eye - corner (or the direction of an orthographic eye),
+// dot(normal, d) has the sign of the eye's side where it exceeds `error` times the sum of d's magnitudes.
+struct FilteredPlane {
+  glm::dvec3 normal;
+  double error;
+  glm::vec3 corner;
+};
+
+// Whole facets and pieces, in an order in which neighbours in space are neighbours in memory: each run of 8, of 64, of
+// 512 ... elements is compact. Points are renumbered by first use as slots.
+struct Elements {
+  std::size_t count() const { return facet.size(); }
+  std::span<const PointId> corners(std::uint32_t element) const {
+    return std::span(corner_point).subspan(first_corner[element], first_corner[element + 1] - first_corner[element]);
+  }
+  std::span<const std::uint32_t> slots(std::uint32_t element) const {
+    return std::span(corner_slot).subspan(first_corner[element], first_corner[element + 1] - first_corner[element]);
+  }
+  std::size_t memory_bytes() const;
+
+  FacetFrame frame;
+  glm::dvec3 extent{0};  // largest magnitude of each coordinate in the frame
+
+  std::vector<FacetId> facet;
+  std::vector<std::uint32_t> draw_id;
+  std::vector<unsigned char> has_area;
+  std::vector<FilteredPlane> plane;
+  std::vector<float> longest_edge_squared;  // in the frame, rounded up
+  std::vector<std::uint32_t> first_corner;  // count() + 1
+  std::vector<PointId> corner_point;
+  std::vector<std::uint32_t> corner_slot;
+
+  std::vector<PointId> slot_point;
+  std::vector<glm::dvec3> slot_position;  // in the frame
+  // The elements around a slot where those form a simple fan (see below), else none; slots + 1 begins.
+  std::vector<std::uint32_t> fan_begin, fan_element;
+
+  std::vector<std::uint32_t> element_of_draw_id;  // or no_element: facets that were cut
+};
+
+// A simple fan: whole facets with area around a vertex, each sharing an edge with the next, wound alike, closed, no two
+// others in one plane. Such a fan does not cross itself, so where all its facets face the same way they do not overlap on
+// the screen: their outline around the vertex is a simple closed curve in an annulus, which winds once at most.
+Elements make_elements(const Points& points, const PartList& pieces, const std::vector<unsigned char>& degenerate,
+                       bool crossing_facets_left);
+
+}  // namespace facetsort::exact_internal

@@ -1,0 +1,566 @@
+// The order by depth, mended where it is wrong.
+//
+// Facets come in the order of a depth key, as in a painter's algorithm (Newell, Newell and Sancha 1972, "A Solution to
+// the Hidden Surface Problem"), but what must come before what is decided exactly. Pairs that overlap on the screen and
+// in depth are tested; of the constraints they make, only those are kept that the key order breaks: a part is behind one
+// that comes before it. Then the key order is walked, depth first into what a part needs to have been drawn before it.
+// A part visited so, ahead of its turn, may also have to come after parts that are all of them deeper, yet not drawn
+// because their turn is to come: those are searched for in the hierarchy, by its box and the span of keys in question.
+// With these searches the walk is Tarjan's algorithm on the graph of all constraints, of which it never sees more than
+// it needs. The components that it finds are cycles, and are cut.
+#include "facetsort/exact/exact_sorter.h"
+
+#include <tbb/combinable.h>
+#include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
+
+#include <algorithm>
+#include <cassert>
+#include <chrono>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <utility>
+
+#include "facetsort/base/parallel.h"
+#include "facetsort/exact/crossings.h"
+#include "facetsort/exact/cycles.h"
+#include "facetsort/exact/elements.h"
+#include "facetsort/exact/positions.h"
+#include "facetsort/exact/predicates.h"
+#include "facetsort/exact/screen.h"
+#include "facetsort/exact/triangulation.h"
+#include "facetsort/order/key_sort.h"
+
+namespace facetsort {
+
+using namespace exact_internal;
+
+namespace {
+
+constexpr std::size_t facets_per_task = 4096;
+constexpr std::size_t leaves_per_task = 64;
+
+using Clock = std::chrono::steady_clock;
+
+double milliseconds_since(Clock::time_point start) {
+  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
+}
+
+std::vector<unsigned char> find_degenerate(const MeshView& mesh) {
+  std::vector<unsigned char> degenerate(mesh.facet_count());
+  parallel_ranges(degenerate.size(), facets_per_task, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
+      degenerate[f] = collinear(mesh.corner(f, 0), mesh.corner(f, 1), mesh.corner(f, 2));
+    }
+  });
+  return degenerate;
+}
+
+// Facets that share edges and lie in one plane, as the two halves of a quad do, get one plane: its smallest facet.
+std::vector<FacetId> find_planes(const MeshView& mesh, const std::vector<PointId>& position,
+                                 const std::vector<unsigned char>& degenerate) {
+  struct HalfEdge {
+    PointId lower, upper;
+    FacetId facet;
+
+    auto operator<=>(const HalfEdge&) const = default;
+  };
+  std::vector<HalfEdge> edges;
+  edges.reserve(3 * mesh.facet_count());
+  for (FacetId f = 0; f < mesh.facet_count(); ++f) {
+    if (degenerate[f]) continue;
+    const glm::uvec3 t = mesh.triangles[f];
+    for (int i = 0; i < 3; ++i) {
+      const PointId a = position[t[i]], b = position[t[(i + 1) % 3]];
+      edges.push_back({std::min(a, b), std::max(a, b), f});
+    }
+  }
+  tbb::parallel_sort(edges);
+  std::vector<FacetId> plane(mesh.facet_count());
+  std::iota(plane.begin(), plane.end(), FacetId{0});
+  const auto root = [&](FacetId f) {
+    while (plane[f] != f) f = plane[f] = plane[plane[f]];
+    return f;
+  };
+  const auto coplanar = [&](FacetId f, FacetId g) {
+    for (int i = 0; i < 3; ++i) {
+      if (orientation(mesh.corner(f, 0), mesh.corner(f, 1), mesh.corner(f, 2), mesh.corner(g, i)) != 0) return false;
+    }
+    return true;
+  };
+  for (std::size_t i = 1; i < edges.size(); ++i) {
+    const HalfEdge &a = edges[i - 1], &b = edges[i];
+    if (a.lower != b.lower || a.upper != b.upper || !coplanar(a.facet, b.facet)) continue;
+    const FacetId f = root(a.facet), g = root(b.facet);
+    plane[std::max(f, g)] = std::min(f, g);
+  }
+  for (FacetId f = 0; f < plane.size(); ++f) plane[f] = root(f);
+  return plane;
+}
+
+// `behind` must be drawn before `before`, whose turn by depth is earlier.
+struct Broken {
+  std::uint32_t before, behind;  // elements
+
+  auto operator<=>(const Broken&) const = default;
+};
+
+// A place in the order as it is found: a draw id, or a cycle to be filled in.
+constexpr std::uint32_t cycle_mark = 0x80000000u;
+
+struct Cycle {
+  std::vector<std::uint32_t> elements;  // farthest first
+  std::vector<HidingPair> pairs;        // by place in `elements`
+};
+
+}  // namespace
+
+struct ExactSorter::State {
+  State(const MeshView& mesh_in, const ExactOptions& options_in)
+      : mesh(mesh_in),
+        options(options_in),
+        space{mesh_in, identify_positions(mesh_in), {}},
+        degenerate(find_degenerate(mesh_in)),
+        points(with_planes()) {}
+
+  const PointSpace& with_planes() {
+    space.plane_of_facet = find_planes(mesh, space.position_of_vertex, degenerate);
+    return space;
+  }
+
+  std::size_t bytes_held() const;
+  void prepare();
+  void forget_last_view();
+  void find_broken();
+  void walk();
+  void visit(std::uint32_t root);
+  void edges_of(std::uint32_t element, std::uint32_t root);
+  void finish_component(std::uint32_t element);
+  void fill_in_cycles();
+  bool comes_before(std::uint32_t a, std::uint32_t b) const;
+  bool parted_on_screen(std::uint32_t a, std::uint32_t b) const;
+  SeenPart seen_part(std::uint32_t element) const;
+  bool may_hide(std::uint32_t a, std::uint32_t b) const;
+  std::size_t most_triangles() const;
+
+  MeshView mesh;
+  ExactOptions options;
+  PointSpace space;
+  std::vector<unsigned char> degenerate;
+  Points points;                 // vertices, those of prepared pieces, then those of the last view
+  PartList parts;                // prepared pieces, then those of the last view
+  std::vector<Piece> pieces;     // the same, for drawing
+  std::vector<glm::uvec3> planes;
+  bool triangles_counted = false;  // of the last view
+  std::size_t prepared_pieces = 0, prepared_points = 0, prepared_triangles = 0, prepared_bytes = 0;
+  Elements elements;
+  ExactStatistics statistics;
+
+  Screen screen;
+  std::vector<float> keys;  // by draw id
+  KeySort key_sort;
+  std::vector<Broken> broken;                  // sorted
+  std::vector<std::uint32_t> first_broken;     // element: its first in `broken`, or no_element
+  std::vector<std::uint32_t> order;            // draw ids and cycles
+  std::vector<std::uint32_t> filled_order;
+  std::vector<Cycle> cycles;
+
+  // Tarjan's algorithm.
+  struct Visit {
+    std::uint32_t element;
+    std::size_t next, end;  // in `edges`
+  };
+  std::vector<std::uint32_t> number, lowest;  // element; 0: not visited
+  std::vector<unsigned char> drawn;
+  std::uint32_t visited = 0;
+  std::vector<Visit> visits;
+  std::vector<std::uint32_t> open;
+  std::vector<std::uint32_t> edges;  // what is behind
+  std::vector<std::pair<std::size_t, std::size_t>> edge_range;  // of visited elements, by number - first_number
+  std::uint32_t first_number = 0;
+};
+
+namespace {
+
+Piece piece_of(const Part& part) { return {part.facet, part.first_cut, part.cut_count}; }
+
+}  // namespace
+
+std::size_t ExactSorter::State::most_triangles() const {
+  const double most = options.max_growth * static_cast<double>(mesh.facet_count());
+  return most < 1e18 ? static_cast<std::size_t>(most) : std::size_t{1} << 60;
+}
+
+void ExactSorter::State::prepare() {
+  const Clock::time_point start = Clock::now();
+  PartedFacets parted = part_crossing_facets(points, degenerate, most_triangles());
+  parts = std::move(parted.pieces);
+  prepared_pieces = parts.parts.size();
+  prepared_points = points.size();
+  statistics.crossing_pairs = parted.crossing_pairs;
+  statistics.crossing_pairs_uncut = parted.uncut_pairs;
+  statistics.prepared_cuts = parted.cuts;
+  elements = make_elements(points, parts, degenerate, parted.uncut_pairs > 0);
+  statistics.prepared_pieces = elements.count();
+  for (const Part& part : parts.parts) pieces.push_back(piece_of(part));
+  planes.assign(points.added_planes().begin(), points.added_planes().end());
+  first_broken.assign(elements.count(), no_element);
+  number.assign(elements.count(), 0);
+  lowest.assign(elements.count(), 0);
+  drawn.assign(elements.count(), 0);
+  for (const std::uint32_t id : elements.draw_id) order.push_back(id);
+  prepared_triangles = count_triangles(points, parts, order);
+  prepared_bytes = bytes_held();
+  statistics.prepare_ms = milliseconds_since(start);
+}
+
+void ExactSorter::State::forget_last_view() {
+  parts.truncate(prepared_pieces);
+  pieces.resize(prepared_pieces);
+  points.truncate(prepared_points);
+}
+
+// What construction made.
+std::size_t ExactSorter::State::bytes_held() const {
+  const auto bytes = [](const auto&... vectors) {
+    return ((vectors.capacity() * sizeof(typename std::decay_t<decltype(vectors)>::value_type)) + ...);
+  };
+  return points.memory_bytes() + parts.memory_bytes() + elements.memory_bytes() +
+         bytes(space.position_of_vertex, space.plane_of_facet, degenerate, pieces, planes, first_broken, number, lowest,
+               drawn);
+}
+
+// Whether a comes first by depth; ties go to the smaller draw id.
+bool ExactSorter::State::comes_before(std::uint32_t a, std::uint32_t b) const {
+  const std::uint32_t a_id = elements.draw_id[a], b_id = elements.draw_id[b];
+  const float a_key = keys[a_id], b_key = keys[b_id];
+  return a_key > b_key || (a_key == b_key && a_id < b_id);
+}
+
+SeenPart ExactSorter::State::seen_part(std::uint32_t element) const {
+  return {elements.facet[element], screen.facing(element), elements.corners(element)};
+}
+
+// A filter on the screen: whether an edge of a or b certainly has the other on its outer side.
+bool ExactSorter::State::parted_on_screen(std::uint32_t a, std::uint32_t b) const {
+  const auto edge_parts = [&](std::uint32_t of, std::uint32_t other) {
+    const auto slots = elements.slots(of), others = elements.slots(other);
+    const float inward = screen.facing(of) > 0 ? 1.0f : -1.0f;
+    for (std::size_t i = 0; i < slots.size(); ++i) {
+      const SeenPoint& p = screen.seen(slots[i]);
+      const SeenPoint& q = screen.seen(slots[i + 1 == slots.size() ? 0 : i + 1]);
+      const float ex = q.x - p.x, ey = q.y - p.y;
+      bool outside = true;
+      for (const std::uint32_t slot : others) {
+        const SeenPoint& r = screen.seen(slot);
+        const float rx = r.x - p.x, ry = r.y - p.y;
+        // Each difference is off by up to 2 roundings of the coordinates, and then its own.
+        const float bound = 4 * screen.rounding() * (std::abs(ex) + std::abs(ey) + std::abs(rx) + std::abs(ry) +
+                                                     4 * screen.rounding());
+        // The screen is seen with y down: counter-clockwise facets turn clockwise on it, and have their inside where
+        // this is negative.
+        if (!(inward * (ex * ry - ey * rx) > bound)) {
+          outside = false;
+          break;
+        }
+      }
+      if (outside) return true;
+    }
+    return false;
+  };
+  return edge_parts(a, b) || edge_parts(b, a);
+}
+
+// Quick reasons why neither of two elements with overlapping boxes can hide the other.
+bool ExactSorter::State::may_hide(std::uint32_t a, std::uint32_t b) const {
+  if (elements.facet[a] == elements.facet[b]) return false;
+  const auto a_slots = elements.slots(a), b_slots = elements.slots(b);
+  int shared = 0;
+  for (const std::uint32_t slot : a_slots) {
+    for (const std::uint32_t other : b_slots) {
+      if (slot != other) continue;
+      ++shared;
+      if (screen.is_flat_fan(slot)) return false;
+    }
+  }
+  return shared > 0 || screen.viewpoint().surrounded || !parted_on_screen(a, b);
+}
+
+void ExactSorter::State::find_broken() {
+  struct Found {
+    std::vector<Broken> broken;
+    std::size_t candidates = 0;
+    unsigned long long fallbacks = 0;
+  };
+  tbb::combinable<Found> found;
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, screen.leaves(), leaves_per_task),
+                    [&](const tbb::blocked_range<std::size_t>& range) {
+    Found& mine = found.local();
+    const unsigned long long fallbacks = exact_fallbacks();
+    for (std::size_t leaf = range.begin(); leaf < range.end(); ++leaf) {
+      screen.for_each_pair_of_leaf(leaf, [&](std::uint32_t a, std::uint32_t b) {
+        ++mine.candidates;
+        if (!may_hide(a, b)) return;
+        const Hiding relation = hiding(points, screen.viewpoint(), seen_part(a), seen_part(b));
+        if (relation == Hiding::none) return;
+        const bool a_behind = relation == Hiding::first_behind_second;
+        if (comes_before(a, b) != a_behind) mine.broken.push_back(a_behind ? Broken{b, a} : Broken{a, b});
+      });
+    }
+    mine.fallbacks += exact_fallbacks() - fallbacks;
+  });
+  for (const Broken& b : broken) first_broken[b.before] = no_element;  // of the last view
+  broken.clear();
+  statistics.candidate_pairs = 0;
+  found.combine_each([&](const Found& part) {
+    broken.insert(broken.end(), part.broken.begin(), part.broken.end());
+    statistics.candidate_pairs += part.candidates;
+    statistics.predicate_fallbacks += part.fallbacks;
+  });
+  tbb::parallel_sort(broken);
+  for (std::size_t i = broken.size(); i-- > 0;) first_broken[broken[i].before] = static_cast<std::uint32_t>(i);
+  statistics.constraints = broken.size();
+}
+
+// Appends to `edges` what is behind the element and not drawn.
+void ExactSorter::State::edges_of(std::uint32_t element, std::uint32_t root) {
+  const std::size_t begin = edges.size();
+  if (first_broken[element] != no_element) {
+    for (std::size_t i = first_broken[element]; i < broken.size() && broken[i].before == element; ++i) {
+      if (!drawn[broken[i].behind]) edges.push_back(broken[i].behind);
+    }
+  }
+  if (element != root) {
+    ++statistics.searches;
+    ScreenBox box = screen.box(element);
+    box.lowest[3] = keys[elements.draw_id[element]];
+    box.highest[3] = keys[elements.draw_id[root]];
+    screen.for_each_overlapping(box, [&](std::uint32_t other) {
+      if (other == element || drawn[other] || !comes_before(other, element)) return;
+      if (!may_hide(other, element)) return;
+      if (hiding(points, screen.viewpoint(), seen_part(other), seen_part(element)) == Hiding::first_behind_second) {
+        edges.push_back(other);
+      }
+    });
+  }
+  std::sort(edges.begin() + static_cast<std::ptrdiff_t>(begin), edges.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return comes_before(a, b); });
+}
+
+void ExactSorter::State::finish_component(std::uint32_t element) {
+  if (open.back() == element) {
+    open.pop_back();
+    drawn[element] = 1;
+    order.push_back(elements.draw_id[element]);
+    return;
+  }
+  Cycle& cycle = cycles.emplace_back();
+  std::uint32_t member;
+  do {
+    member = open.back();
+    open.pop_back();
+    drawn[member] = 1;
+    cycle.elements.push_back(member);
+  } while (member != element);
+  std::sort(cycle.elements.begin(), cycle.elements.end(),
+            [&](std::uint32_t a, std::uint32_t b) { return comes_before(a, b); });
+  std::map<std::uint32_t, std::uint32_t> place;
+  for (std::uint32_t i = 0; i < cycle.elements.size(); ++i) place[cycle.elements[i]] = i;
+  for (std::uint32_t i = 0; i < cycle.elements.size(); ++i) {
+    const auto [begin, end] = edge_range[number[cycle.elements[i]] - first_number];
+    for (std::size_t e = begin; e < end; ++e) {
+      const auto behind = place.find(edges[e]);
+      if (behind != place.end()) cycle.pairs.push_back({behind->second, i});
+    }
+  }
+  order.push_back(cycle_mark | static_cast<std::uint32_t>(cycles.size() - 1));
+}
+
+void ExactSorter::State::visit(std::uint32_t root) {
+  edges.clear();
+  edge_range.clear();
+  first_number = visited + 1;
+  const auto enter = [&](std::uint32_t element) {
+    number[element] = lowest[element] = ++visited;
+    open.push_back(element);
+    const std::size_t begin = edges.size();
+    edges_of(element, root);
+    edge_range.push_back({begin, edges.size()});
+    visits.push_back({element, begin, edges.size()});
+  };
+  enter(root);
+  while (!visits.empty()) {
+    Visit& top = visits.back();
+    const std::uint32_t element = top.element;
+    if (top.next < top.end) {
+      const std::uint32_t behind = edges[top.next++];
+      if (number[behind] == 0) {
+        enter(behind);
+      } else if (!drawn[behind]) {
+        lowest[element] = std::min(lowest[element], number[behind]);
+      }
+      continue;
+    }
+    visits.pop_back();
+    if (!visits.empty()) lowest[visits.back().element] = std::min(lowest[visits.back().element], lowest[element]);
+    if (lowest[element] == number[element]) finish_component(element);
+  }
+}
+
+void ExactSorter::State::walk() {
+  order.clear();
+  cycles.clear();
+  std::fill(number.begin(), number.end(), 0u);
+  std::fill(drawn.begin(), drawn.end(), static_cast<unsigned char>(0));
+  visited = 0;
+  statistics.searches = 0;
+  const unsigned long long fallbacks = exact_fallbacks();
+  for (const std::uint32_t id : key_sort.sort(keys)) {
+    const std::uint32_t element = elements.element_of_draw_id[id];
+    if (element == no_element || drawn[element]) continue;
+    if (first_broken[element] == no_element) {
+      drawn[element] = 1;
+      order.push_back(id);
+    } else {
+      visit(element);
+    }
+  }
+  statistics.predicate_fallbacks += exact_fallbacks() - fallbacks;
+}
+
+void ExactSorter::State::fill_in_cycles() {
+  statistics.components = cycles.size();
+  statistics.pieces_in_cycles = statistics.largest_component = 0;
+  statistics.view_cuts = statistics.unordered_pairs = 0;
+  for (const Cycle& cycle : cycles) {
+    statistics.pieces_in_cycles += cycle.elements.size();
+    statistics.largest_component = std::max(statistics.largest_component, cycle.elements.size());
+  }
+  if (cycles.empty()) return;
+  std::vector<OrderedCycle> ordered;
+  ordered.reserve(cycles.size());
+  for (std::size_t c = 0; c < cycles.size(); ++c) ordered.push_back({Points(&points), {}, {}, 0});
+  tbb::combinable<unsigned long long> fallbacks;
+  tbb::parallel_for(std::size_t{0}, cycles.size(), [&](std::size_t c) {
+    const unsigned long long before = exact_fallbacks();
+    std::vector<CycleMember> members;
+    for (const std::uint32_t element : cycles[c].elements) {
+      const std::uint32_t id = elements.draw_id[element];
+      CycleMember& member = members.emplace_back(CycleMember{elements.facet[element], screen.facing(element), {}, {}});
+      if (id < mesh.facet_count()) {
+        member.corners = whole_facet(space, id).corners;
+      } else {
+        const Part& part = parts.parts[id - mesh.facet_count()];
+        member.corners.assign(parts.corners_of(part).begin(), parts.corners_of(part).end());
+        member.cuts.assign(parts.cuts_of(part).begin(), parts.cuts_of(part).end());
+      }
+    }
+    ordered[c] = order_cycle(points, screen.viewpoint(), std::move(members), cycles[c].pairs);
+    fallbacks.local() += exact_fallbacks() - before;
+  });
+  fallbacks.combine_each([&](unsigned long long n) { statistics.predicate_fallbacks += n; });
+
+  const std::size_t limit = most_triangles();
+  std::size_t triangles = prepared_triangles;
+  filled_order.clear();
+  std::map<PointDefinition, PointId> ids;
+  std::vector<PartCorner> corners;
+  const std::size_t points_before = points.size();
+  for (const std::uint32_t entry : order) {
+    if ((entry & cycle_mark) == 0) {
+      filled_order.push_back(entry);
+      continue;
+    }
+    const Cycle& cycle = cycles[entry & ~cycle_mark];
+    const OrderedCycle& result = ordered[entry & ~cycle_mark];
+    const std::size_t added = 2 * (result.points.size() - points_before) + 2 * result.cuts;
+    if (triangles + added > limit) {
+      for (const std::uint32_t element : cycle.elements) filled_order.push_back(elements.draw_id[element]);
+      for (const HidingPair& pair : cycle.pairs) statistics.unordered_pairs += pair.first > pair.second;
+      continue;
+    }
+    triangles += added;
+    statistics.view_cuts += result.cuts;
+    for (const OrderedPart& part : result.order) {
+      if (part.is_whole) {
+        filled_order.push_back(elements.draw_id[cycle.elements[part.member]]);
+        continue;
+      }
+      const Part& piece = result.pieces.parts[part.piece];
+      corners.assign(result.pieces.corners_of(piece).begin(), result.pieces.corners_of(piece).end());
+      for (PartCorner& corner : corners) {
+        if (corner.point < points_before) continue;
+        const PointDefinition& definition = result.points.definition(corner.point);
+        const auto [place, is_new] = ids.try_emplace(definition, 0);
+        if (is_new) place->second = points.add(definition);
+        corner.point = place->second;
+      }
+      filled_order.push_back(static_cast<std::uint32_t>(mesh.facet_count() + parts.parts.size()));
+      parts.add(piece.facet, corners, result.pieces.cuts_of(piece));
+      pieces.push_back(piece_of(parts.parts.back()));
+    }
+  }
+  std::swap(order, filled_order);
+}
+
+ExactSorter::ExactSorter(const MeshView& mesh, const ExactOptions& options)
+    : state_(std::make_unique<State>(mesh, options)) {
+  state_->prepare();
+}
+
+ExactSorter::ExactSorter(ExactSorter&&) noexcept = default;
+ExactSorter& ExactSorter::operator=(ExactSorter&&) noexcept = default;
+ExactSorter::~ExactSorter() = default;
+
+std::span<const std::uint32_t> ExactSorter::sort(const SortView& view) {
+  State& state = *state_;
+  ExactStatistics& statistics = state.statistics;
+  state.forget_last_view();
+
+  Clock::time_point start = Clock::now();
+  const auto lap = [&](double& milliseconds) {
+    milliseconds = milliseconds_since(start);
+    start = Clock::now();
+  };
+  statistics.predicate_fallbacks = 0;
+  state.screen.look(state.points, state.elements, view.eye, state.keys);
+  lap(statistics.project_ms);
+  state.find_broken();
+  lap(statistics.pairs_ms);
+  state.walk();
+  lap(statistics.order_ms);
+  state.fill_in_cycles();
+  lap(statistics.cut_ms);
+  statistics.pieces = state.order.size();
+  state.triangles_counted = statistics.view_cuts == 0;
+  statistics.triangles = state.prepared_triangles;
+  return state.order;
+}
+
+Pieces ExactSorter::pieces() const { return {state_->pieces, state_->parts.cuts, state_->planes}; }
+
+const ExactStatistics& ExactSorter::statistics() const {
+  State& state = *state_;
+  if (!state.triangles_counted) {
+    state.statistics.triangles = count_triangles(state.points, state.parts, state.order);
+    state.triangles_counted = true;
+  }
+  return state.statistics;
+}
+
+OrderedTriangles ExactSorter::triangles() const { return triangulate(state_->points, state_->parts, state_->order); }
+
+std::size_t ExactSorter::prepared_bytes() const { return state_->prepared_bytes; }
+
+std::size_t ExactSorter::memory_bytes() const {
+  const State& state = *state_;
+  const auto bytes = [](const auto&... vectors) {
+    return ((vectors.capacity() * sizeof(typename std::decay_t<decltype(vectors)>::value_type)) + ...);
+  };
+  return state.bytes_held() + state.screen.memory_bytes() + state.key_sort.memory_bytes() +
+         bytes(state.keys, state.broken, state.order, state.filled_order, state.visits, state.open, state.edges,
+               state.edge_range);
+}
+
+}  // namespace facetsort

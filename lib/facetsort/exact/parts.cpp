@@ -1,0 +1,75 @@
+#include "facetsort/exact/parts.h"
+
+#include <algorithm>
+#include <array>
+
+namespace facetsort::exact_internal {
+namespace {
+
+// Where the plane meets the edge of a part from `from` to `to`, which lies on `line`.
+PointId meeting_point(Points& points, FacetId facet, Line line, PlaneId plane) {
+  const PointSpace& space = points.space();
+  if (is_facet_edge(line)) {
+    const int opposite = static_cast<int>(line & ~facet_edge);
+    const auto [p, q] = std::minmax({space.corner(facet, (opposite + 1) % 3), space.corner(facet, (opposite + 2) % 3)});
+    return points.add({PointDefinition::edge_and_plane, p, q, plane});
+  }
+  std::array<PlaneId, 3> planes = {space.plane_of_facet[facet], line, plane};
+  std::sort(planes.begin(), planes.end());
+  return points.add({PointDefinition::three_planes, planes[0], planes[1], planes[2]});
+}
+
+}  // namespace
+
+void PartList::add(FacetId facet, std::span<const PartCorner> loop, std::span<const Cut> part_cuts) {
+  parts.push_back({facet, static_cast<std::uint32_t>(corners.size()), static_cast<std::uint32_t>(loop.size()),
+                   static_cast<std::uint32_t>(cuts.size()), static_cast<std::uint32_t>(part_cuts.size())});
+  corners.insert(corners.end(), loop.begin(), loop.end());
+  cuts.insert(cuts.end(), part_cuts.begin(), part_cuts.end());
+}
+
+void keep_bounding_cuts(Polygon& polygon) {
+  std::erase_if(polygon.cuts, [&](const Cut& cut) {
+    return std::none_of(polygon.corners.begin(), polygon.corners.end(),
+                        [&](const PartCorner& corner) { return corner.line == cut.plane; });
+  });
+}
+
+Polygon whole_facet(const PointSpace& space, FacetId facet) {
+  Polygon polygon;
+  for (int i = 0; i < 3; ++i) {
+    polygon.corners.push_back({space.corner(facet, i), facet_edge | static_cast<Line>((i + 2) % 3)});
+  }
+  return polygon;
+}
+
+bool cut_in_two(Points& points, FacetId facet, const Polygon& polygon, PlaneId plane, Polygon& front, Polygon& back,
+                std::vector<int>& sides) {
+  const std::size_t count = polygon.corners.size();
+  sides.resize(count);
+  for (std::size_t i = 0; i < count; ++i) sides[i] = points.side(plane, polygon.corners[i].point);
+  if (std::find(sides.begin(), sides.end(), 1) == sides.end()) return false;
+  if (std::find(sides.begin(), sides.end(), -1) == sides.end()) return false;
+
+  front.corners.clear();
+  back.corners.clear();
+  for (std::size_t i = 0; i < count; ++i) {
+    const PartCorner corner = polygon.corners[i];
+    const int here = sides[i], next = sides[(i + 1) % count];
+    if (here >= 0) front.corners.push_back({corner.point, here == 0 && next < 0 ? plane : corner.line});
+    if (here <= 0) back.corners.push_back({corner.point, here == 0 && next > 0 ? plane : corner.line});
+    if (here * next < 0) {
+      const PointId meeting = meeting_point(points, facet, corner.line, plane);
+      front.corners.push_back({meeting, here > 0 ? plane : corner.line});
+      back.corners.push_back({meeting, here < 0 ? plane : corner.line});
+    }
+  }
+  front.cuts = back.cuts = polygon.cuts;
+  front.cuts.push_back({plane, 1});
+  back.cuts.push_back({plane, -1});
+  keep_bounding_cuts(front);
+  keep_bounding_cuts(back);
+  return true;
+}
+
+}  // namespace facetsort::exact_internal

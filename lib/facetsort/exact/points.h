@@ -1,0 +1,120 @@
+// Internal to exact: points that facets and cuts define, and signs on them that are never wrong.
+//
+// A point is a vertex of the mesh, or where a cut's plane meets an edge of the mesh, or where the planes of three facets
+// meet. Such a point is rational in the float32 input and is never rounded in a decision: a double stands for it, with a
+// bound on its error, in a filter, and integers where the filter is undecided.
+#pragma once
+
+#include <compare>
+#include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+#include <vector>
+
+#include "facetsort/mesh/mesh_view.h"
+
+namespace facetsort::exact_internal {
+
+using FacetId = std::uint32_t;
+using PointId = std::uint32_t;
+using PlaneId = std::uint32_t;
+
+// How a point is defined. Vertices stand for all vertices at their position (identify_positions).
+struct PointDefinition {
+  enum Kind : std::uint32_t { edge_and_plane, three_planes } kind;
+  // edge_and_plane: two vertices, smaller first, and a plane that parts them strictly.
+  // three_planes: three planes, smallest first, that meet in one point.
+  std::uint32_t a, b, c;
+
+  auto operator<=>(const PointDefinition&) const = default;
+};
+
+// Where the picture is seen from: a point (w = 1) or a direction (w = 0).
+using Eye = glm::vec4;
+
+// The mesh that points belong to, with what is shared by all of them.
+struct PointSpace {
+  MeshView mesh;
+  std::vector<PointId> position_of_vertex;  // the smallest vertex at the same position
+  std::vector<FacetId> plane_of_facet;      // the smallest facet known to lie in the same plane
+
+  glm::vec3 position(PointId vertex) const { return mesh.positions[vertex]; }
+  PointId corner(FacetId facet, int i) const { return position_of_vertex[mesh.triangles[facet][i]]; }
+};
+
+// Points and planes by id. Points below the mesh's vertex count are vertices, planes below its facet count are those of
+// facets; the rest are added. They may stand on those of a base, whose ids they share and which must not grow meanwhile.
+// Reading is thread-safe.
+class Points {
+ public:
+  explicit Points(const PointSpace& space)
+      : space_(&space), first_(space.mesh.vertex_count()), first_plane_(space.mesh.facet_count()) {}
+  explicit Points(const Points* base)
+      : space_(base->space_), base_(base), first_(base->size()), first_plane_(base->plane_count()) {}
+
+  PointId add(const PointDefinition& definition);
+  // The plane through three vertices that are not on one line.
+  PlaneId add_plane(const glm::uvec3& vertices) {
+    planes_.push_back(vertices);
+    return static_cast<PlaneId>(plane_count() - 1);
+  }
+  // Forgets the points added after the first `size`.
+  void truncate(std::size_t size) { made_.resize(size - first_); }
+
+  std::size_t size() const { return first_ + made_.size(); }
+  std::size_t plane_count() const { return first_plane_ + planes_.size(); }
+  std::span<const glm::uvec3> added_planes() const { return planes_; }
+  std::size_t memory_bytes() const {
+    return made_.capacity() * sizeof(Made) + planes_.capacity() * sizeof(glm::uvec3);
+  }
+  const PointSpace& space() const { return *space_; }
+  bool is_vertex(PointId point) const { return point < space_->mesh.vertex_count(); }
+  // Precondition: not a vertex.
+  const PointDefinition& definition(PointId point) const { return made(point).definition; }
+
+  // Nearest doubles, up to `error` in each coordinate (0 for vertices).
+  glm::dvec3 position(PointId point) const {
+    return is_vertex(point) ? glm::dvec3(space_->position(point)) : made(point).position;
+  }
+  double error(PointId point) const { return is_vertex(point) ? 0.0 : made(point).error; }
+  // The point rounded to float32: the same bits wherever the point is the same, however it is defined.
+  glm::vec3 rounded(PointId point) const;
+
+  // Sign of det[b - a, c - a, d - a], exactly.
+  int orientation(PointId a, PointId b, PointId c, PointId d) const;
+  // The same with the eye for d: which way round a, b, c are seen, +1 for counter-clockwise.
+  int turn(PointId a, PointId b, PointId c, const Eye& eye) const;
+  // The side of the plane that the point is on, +1 for that of its normal.
+  int side(PlaneId plane, PointId point) const;
+
+  // The vertices that define a plane, and one id for the planes of facets known to lie in the same.
+  glm::uvec3 plane_vertices(PlaneId plane) const {
+    if (plane < space_->mesh.facet_count()) return space_->mesh.triangles[plane];
+    return plane < first_plane_ ? base_->plane_vertices(plane) : planes_[plane - first_plane_];
+  }
+  PlaneId same_plane(PlaneId plane) const {
+    return plane < space_->mesh.facet_count() ? space_->plane_of_facet[plane] : plane;
+  }
+
+ private:
+  struct Made {
+    PointDefinition definition;
+    glm::dvec3 position;
+    double error;
+  };
+
+  const Made& made(PointId point) const { return point < first_ ? base_->made(point) : made_[point - first_]; }
+  bool defines_plane(PointId vertex, PlaneId plane) const;
+  bool known_in_plane(PointId point, PlaneId plane) const;
+  bool known_collinear(PointId a, PointId b, PointId c) const;
+
+  const PointSpace* space_;
+  const Points* base_ = nullptr;
+  std::size_t first_;  // id of made_[0]
+  std::size_t first_plane_;  // id of planes_[0]
+  std::vector<Made> made_;
+  std::vector<glm::uvec3> planes_;
+};
+
+}  // namespace facetsort::exact_internal

@@ -1,0 +1,15 @@
+// Internal to exact: vertices by position, for meshes whose facets do not share vertices.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "facetsort/mesh/mesh_view.h"
+
+namespace facetsort::exact_internal {
+
+// Maps each vertex to the smallest vertex index at its position. Positions compare by their bits (after -0 became 0),
+// so that vertices no facet uses may hold anything. Parallel in the caller's task arena.
+std::vector<std::uint32_t> identify_positions(const MeshView& mesh);
+
+}  // namespace facetsort::exact_internal
