@@ -18,10 +18,11 @@ namespace {
 
 constexpr int picture_size = 1024;
 
-void draw_frames(benchmark::State& state, const Subject& subject, PixelFormat format, int threads) {
+void draw_frames(benchmark::State& state, const Subject& subject, const Strategy& strategy, PixelFormat format,
+                 int threads) {
   const Mesh& mesh = subject.mesh();
   const std::vector<View> frames = frames_around(mesh, picture_size);
-  StrategyRenderer renderer(mesh.view(), {StrategyKind::facet_sort, Method::centroid_distance});
+  StrategyRenderer renderer(mesh.view(), strategy);
   Image picture;
   std::size_t frame = 0;
   tbb::task_arena arena(threads);
@@ -51,15 +52,24 @@ void draw_frames(benchmark::State& state, const Subject& subject, PixelFormat fo
 void register_draw_benchmarks() {
   std::vector<Subject> subjects = shipped_meshes();
   for (const Subject& knot : knots(1000, 1000000)) subjects.push_back(knot);
+  const auto add = [](const std::string& stage, const Subject& subject, const Strategy& strategy, PixelFormat format) {
+    for (const int threads : thread_counts()) {
+      const std::string name = stage + (format == PixelFormat::rgba8 ? "/rgba8/" : "/rgba32f/") + subject.name() +
+                               "/threads:" + std::to_string(threads);
+      benchmark::RegisterBenchmark(name.c_str(), draw_frames, subject, strategy, format, threads)
+          ->UseManualTime()
+          ->Unit(benchmark::kMillisecond);
+    }
+  };
   for (const Subject& subject : subjects) {
     for (const PixelFormat format : {PixelFormat::rgba32f, PixelFormat::rgba8}) {
-      for (const int threads : thread_counts()) {
-        const std::string name = std::string("draw/") + (format == PixelFormat::rgba8 ? "rgba8/" : "rgba32f/") +
-                                 subject.name() + "/threads:" + std::to_string(threads);
-        benchmark::RegisterBenchmark(name.c_str(), draw_frames, subject, format, threads)
-            ->UseManualTime()
-            ->Unit(benchmark::kMillisecond);
-      }
+      add("draw", subject, {StrategyKind::facet_sort, Method::centroid_distance}, format);
+    }
+  }
+  for (const Subject& subject : shipped_meshes()) {
+    for (const StrategyKind kind : {StrategyKind::depth_peeling, StrategyKind::dual_depth_peeling}) {
+      const Strategy strategy{.kind = kind};
+      add(strategy.name(), subject, strategy, PixelFormat::rgba32f);
     }
   }
 }

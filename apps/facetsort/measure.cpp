@@ -1,7 +1,6 @@
 #include "measure.h"
 
 #include <cmath>
-#include <cstdint>
 #include <optional>
 
 #include "facetsort/check/picture_verdict.h"
@@ -29,8 +28,8 @@ Image blank_picture(const View& view, PixelFormat format) {
 }
 
 // Order, picture and cost; the picture goes to `picture`.
-void measure_cost(const InputMesh& input, StrategyRenderer& renderer, const RefereedView& refereed, std::size_t repeats,
-                  Row& row, Image& picture) {
+void measure_cost(StrategyRenderer& renderer, const RefereedView& refereed, std::size_t repeats, Row& row,
+                  Image& picture) {
   const View& view = refereed.view;
   picture = blank_picture(view, refereed.format);  // its memory is not the strategy's
   {
@@ -43,7 +42,8 @@ void measure_cost(const InputMesh& input, StrategyRenderer& renderer, const Refe
   row.blend = time_median([&] { renderer.draw(view, refereed.format, picture); }, repeats, 0);
   row.passes = renderer.passes();
   row.prepared_bytes = renderer.prepared_bytes();
-  row.pieces = row.triangles_out = input.mesh.triangles.size();  // nothing is cut
+  row.pieces = renderer.pieces();
+  row.triangles_out = renderer.triangles();
 }
 
 void judge(const InputMesh& input, const Image& picture, const RefereedView& refereed, Row& row) {
@@ -63,15 +63,16 @@ void judge_draw_order(const InputMesh& input, const StrategyRenderer& renderer, 
   row.embree_rays = refereed.hits.rays;
   row.embree_unjudged = refereed.hits.unjudged_rays;
   if (!renderer.strategy().draws_in_order()) return;
-  std::vector<std::uint32_t> rank;
-  renderer.ranks(refereed.view, rank);
   const JudgeOptions options{.bounding_radius = input.radius};
-  const Verdict verdict = judge_order(refereed.lists, rank, options);
+  const auto judge_by = [&](const FragmentLists& lists) {
+    return judge_drawing(lists, renderer.ranks(refereed.view, lists), options);
+  };
+  const Verdict verdict = judge_by(refereed.lists);
   row.inverted_pixels = verdict.inverted_pixels;
   row.inverted_rate = rate(verdict.inverted_pixels, verdict.covered_pixels);
   row.worst_backtrack = verdict.worst_backtrack;
   if (too_many(row.embree_unjudged, row.embree_rays)) return;
-  row.embree_inverted = judge_order(refereed.hits.lists, rank, options).inverted_pixels;
+  row.embree_inverted = judge_by(refereed.hits.lists).inverted_pixels;
 }
 
 // Nothing for the strategies that discard fragments on purpose.
@@ -130,7 +131,7 @@ MeasuredStrategy measure_strategy(const InputMesh& input, const Strategy& strate
 
   std::optional<StrategyRenderer> renderer;
   row.prepare_ms = time_median([&] { renderer.emplace(input.mesh.view(), strategy); }, 1, 0).median_ms;
-  measure_cost(input, *renderer, refereed, repeats, row, measured.picture);
+  measure_cost(*renderer, refereed, repeats, row, measured.picture);
   judge(input, measured.picture, refereed, row);
   judge_draw_order(input, *renderer, refereed, row);
   row.miscovered_pixels = count_miscovered(*renderer, refereed);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <numeric>
 #include <set>
+#include <utility>
 
 #include "facetsort/blend/shading.h"
 #include "shapes.h"
@@ -40,7 +41,7 @@ TEST(Strategy, NamesAreDistinctAndKnown) {
     EXPECT_TRUE(names.insert(strategy.name()).second);
     EXPECT_EQ(strategy_from_name(strategy.name()), strategy);
   }
-  EXPECT_EQ(names.size(), 12u);
+  EXPECT_EQ(names.size(), 15u);
   EXPECT_EQ(strategy_from_name("facet_sort:parametric_centre"), strategy_from_name("facet_sort:centroid_depth"));
   EXPECT_EQ(strategy_from_name("facet_sort"), strategy_from_name("facet_sort:centroid_distance"));
   for (const char* unknown : {"", "sorted", "facet_sort:", "facet_sort:nothing", "unsorted:centroid_depth", "unsorted:"}) {
@@ -58,7 +59,7 @@ TEST(Strategy, CullingPassesAreExactOnAConvexMeshAndDoubleSidedIsTheReverse) {
   }
 }
 
-TEST(Strategy, RanksAreTheSequenceInWhichFacetsAreDrawn) {
+TEST(Strategy, RanksAreTheSequenceInWhichFragmentsAreDrawn) {
   const Mesh mesh = load("teapot_1k");
   const View view = view_of(mesh);
   const FragmentLists lists = collect_fragments(mesh.view(), view);
@@ -69,23 +70,20 @@ TEST(Strategy, RanksAreTheSequenceInWhichFacetsAreDrawn) {
     SCOPED_TRACE(strategy.name());
     StrategyRenderer renderer(mesh.view(), strategy);
     renderer.order(view);
-    std::vector<std::uint32_t> rank;
-    renderer.ranks(view, rank);
-    std::vector<std::uint32_t> sorted = rank;
-    std::sort(sorted.begin(), sorted.end());
-    for (std::uint32_t k = 0; k < sorted.size(); ++k) ASSERT_EQ(sorted[k], k);
+    const std::vector<std::uint32_t> ranks = renderer.ranks(view, lists);
+    ASSERT_EQ(ranks.size(), lists.fragments.size());
+    EXPECT_EQ(std::count(ranks.begin(), ranks.end(), not_drawn), 0);
 
     Image image;
     renderer.draw(view, PixelFormat::rgba32f, image);
     for (std::size_t pixel = 0; pixel < image.pixels.size(); ++pixel) {
-      std::vector<Fragment> fragments(lists.pixel(pixel).begin(), lists.pixel(pixel).end());
-      std::sort(fragments.begin(), fragments.end(),
-                [&](const Fragment& a, const Fragment& b) { return rank[a.facet] < rank[b.facet]; });
-      glm::vec4 blended = background;
-      for (const Fragment& fragment : fragments) {
-        const glm::vec4& source = colours[fragment.facet];
-        blended = source + blended * (1.0f - source.a);
+      std::vector<std::pair<std::uint32_t, std::uint32_t>> drawn;  // rank and facet
+      for (std::size_t i = lists.offsets[pixel]; i < lists.offsets[pixel + 1]; ++i) {
+        drawn.emplace_back(ranks[i], lists.fragments[i].facet);
       }
+      std::sort(drawn.begin(), drawn.end());
+      glm::vec4 blended = background;
+      for (const auto& [rank, facet] : drawn) blended = colours[facet] + blended * (1.0f - colours[facet].a);
       ASSERT_EQ(image.pixels[pixel], blended);
     }
   }
@@ -157,7 +155,14 @@ TEST(Strategy, CoverageIsCountedByTheSamePasses) {
       fewer += coverage.pixels[pixel].r < layers;
     }
     const bool discards = strategy.kind == StrategyKind::depth_prepass || strategy.kind == StrategyKind::depth_write;
-    EXPECT_EQ(fewer > 0, discards);
+    // Depth peeling loses layers at one float32 depth: the teapot's spout and handle pass through its wall.
+    const bool peels =
+        strategy.kind == StrategyKind::depth_peeling || strategy.kind == StrategyKind::dual_depth_peeling;
+    if (peels) {
+      EXPECT_LE(fewer, 5u);
+    } else {
+      EXPECT_EQ(fewer > 0, discards);
+    }
   }
 }
 

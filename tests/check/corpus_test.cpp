@@ -63,9 +63,7 @@ void measure(const Mesh& mesh, const View& view, const FragmentLists& lists, con
   total.wrong += verdict.wrong_pixels;
   total.unjudged += verdict.unjudged_pixels;
   if (!strategy.draws_in_order()) return;
-  std::vector<std::uint32_t> rank;
-  renderer.ranks(view, rank);
-  total.inverted += judge_order(lists, rank, options).inverted_pixels;
+  total.inverted += judge_drawing(lists, renderer.ranks(view, lists), options).inverted_pixels;
   renderer.draw_coverage(view, coverage);
   for (std::size_t pixel = 0; pixel < coverage.pixels.size(); ++pixel) {
     total.miscovered += coverage.pixels[pixel].r != static_cast<float>(lists.pixel(pixel).size());

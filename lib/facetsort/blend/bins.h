@@ -1,4 +1,4 @@
-// Internal to blend: facets sorted into the tiles of the picture that they may cover, in draw order.
+// Internal to blend: facets and pieces sorted into the tiles of the picture that they may cover, in draw order.
 #pragma once
 
 #include <cstdint>
@@ -12,44 +12,72 @@ namespace facetsort::blend_internal {
 // Small enough that a tile's colours stay in the first-level cache, wide enough for whole vectors of any target.
 inline constexpr int tile_size = 32;
 
-// A facet in a tile; `facing` is +1 or -1.
+// A facet, or a piece of it, in a tile; `facing` is +1 or -1.
 struct BinEntry {
   std::uint32_t facet;
+  std::uint32_t piece;  // for FacetBins::cuts(); whole_facet where there are none
   std::int8_t facing;
   bool crosses_near;
-  // Pixels of the tile that the facet may cover, inclusive, relative to the tile.
+  // Pixels of the tile that it may cover, inclusive, relative to the tile.
   std::uint8_t x0, y0, x1, y1;
 };
 
+inline constexpr std::uint32_t whole_facet = 0xffffffffu;
+
 class FacetBins {
  public:
-  // `order`: facet ids in draw order. Facets seen edge-on or outside the picture
-  // are left out. Parallel in the caller's task arena; the same bins for any thread count. Keeps its storage.
-  void build(const ProjectedMesh& projected, std::span<const std::uint32_t> order);
+  // `order`: draw ids of the mesh and `pieces`, in draw order. Those seen edge-on, outside the picture or too small to
+  // cover a pixel's centre are left out. Parallel in the caller's task arena; the same bins for any thread count. Keeps
+  // its storage.
+  void build(const ProjectedMesh& projected, std::span<const std::uint32_t> order, const Pieces& pieces);
 
-  int columns() const { return columns_; }
   int tiles() const { return columns_ * rows_; }
+  // The tile's upper left pixel.
+  int tile_x(int t) const { return t % columns_ * tile_size; }
+  int tile_y(int t) const { return t / columns_ * tile_size; }
   // In draw order.
   std::span<const BinEntry> tile(int t) const {
     return {entries_.data() + begins_[t], static_cast<std::size_t>(begins_[t + 1] - begins_[t])};
   }
-  // Facets kept, by facing.
+  // Those of a piece's cuts that matter: together with the facet's edges they bound what it covers.
+  std::span<const FacetCut> cuts(const BinEntry& entry) const {
+    if (entry.piece == whole_facet) return {};
+    const PlacedPiece& piece = chunks_[entry.piece / facets_per_chunk].pieces[entry.piece % facets_per_chunk];
+    return std::span(chunks_[entry.piece / facets_per_chunk].cuts).subspan(piece.first_cut, piece.cut_count);
+  }
+  // Facets and pieces kept, by facing.
   std::size_t front_facets() const { return front_facets_; }
   std::size_t back_facets() const { return back_facets_; }
 
  private:
+  // Chunks are fixed by the length of the order alone, so that bins do not depend on the thread count.
+  static constexpr std::uint32_t facets_per_chunk = 8192;
+
   struct Placed {
     PixelBox box;
-    std::uint32_t facet;
+    std::uint32_t facet, piece;
     std::int8_t facing;
   };
+  struct PlacedPiece {
+    std::uint32_t first_cut, cut_count;
+  };
+  // What one chunk of the order leaves.
+  struct Chunk {
+    std::size_t kept = 0;  // how many were placed
+    std::vector<PlacedPiece> pieces;
+    std::vector<FacetCut> cuts;
+    PieceClipper clipper;
+  };
+
+  void place(const ProjectedMesh& projected, std::span<const std::uint32_t> order, const Pieces& pieces,
+             std::size_t chunk_index);
 
   int columns_ = 0, rows_ = 0;
   std::size_t front_facets_ = 0, back_facets_ = 0;
   std::vector<Placed> placed_;
-  std::vector<std::size_t> kept_;                 // a chunk: how many of its facets were placed
-  std::vector<std::uint64_t> cursors_;            // a chunk and tile: count, then where its entries go
-  std::vector<std::uint64_t> begins_;             // a tile
+  std::vector<Chunk> chunks_;
+  std::vector<std::uint64_t> cursors_;  // a chunk and tile: count, then where its entries go
+  std::vector<std::uint64_t> begins_;   // a tile
   std::vector<BinEntry> entries_;
 };
 

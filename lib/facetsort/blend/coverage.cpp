@@ -1,6 +1,7 @@
 #include "facetsort/blend/coverage.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "facetsort/base/parallel.h"
@@ -44,6 +45,15 @@ double edge_error(const RelativeVertex& p, const RelativeVertex& q) {
   return p.error * q.magnitude + p.magnitude * q.error + edge_roundings * p.magnitude * q.magnitude;
 }
 
+// Of a cut's function against the product of one edge function and one volume: product, two sums, and evaluation.
+constexpr double cut_roundings = 8 * rounding;
+
+// How far the value of a cut's term strays that is the product of an edge function, of magnitude at most `reach`, and
+// of a volume.
+double cut_term_error(double reach, double edge_rounding, double volume, double volume_error) {
+  return edge_rounding * (std::abs(volume) + volume_error) + reach * (volume_error + cut_roundings * std::abs(volume));
+}
+
 // E_i at one pixel centre, and its error.
 struct EdgeValues {
   double value[3], error[3];
@@ -66,10 +76,63 @@ EdgeValues edges_at_pixel(const ProjectedMesh& projected, std::uint32_t facet, i
   return edges;
 }
 
-glm::dmat3 camera_rows(const Camera& camera) { return {camera.row_x, camera.row_y, camera.row_w}; }
+std::array<glm::vec3, 3> positions_of(const MeshView& mesh, const glm::uvec3& vertices) {
+  return {mesh.positions[vertices.x], mesh.positions[vertices.y], mesh.positions[vertices.z]};
+}
 
 int clamp_pixel(double value, int highest) {
   return static_cast<int>(std::clamp(value, -1.0, static_cast<double>(highest) + 1.0));
+}
+
+// The pixels around points, with a margin for their rounding.
+class PixelBounds {
+ public:
+  void include(const ViewBounds& bounds, double x, double y, double w, double reach) {
+    const double px = x / w, py = y / w;
+    x0_ = std::min(x0_, px);
+    x1_ = std::max(x1_, px);
+    y0_ = std::min(y0_, py);
+    y1_ = std::max(y1_, py);
+    const double terms = bounds.x + bounds.y + (std::abs(px) + std::abs(py)) * bounds.w;
+    margin_ = std::max(margin_, 4 * projection_roundings * terms * reach / w);
+  }
+
+  PixelBox box(const View& view) const {
+    PixelBox box;
+    box.x0 = std::max(0, clamp_pixel(std::ceil(x0_ - margin_ - 0.5), view.width));
+    box.y0 = std::max(0, clamp_pixel(std::ceil(y0_ - margin_ - 0.5), view.height));
+    box.x1 = std::min(view.width - 1, clamp_pixel(std::floor(x1_ + margin_ - 0.5), view.width));
+    box.y1 = std::min(view.height - 1, clamp_pixel(std::floor(y1_ + margin_ - 0.5), view.height));
+    return box;
+  }
+
+ private:
+  double x0_ = INFINITY, x1_ = -INFINITY, y0_ = INFINITY, y1_ = -INFINITY, margin_ = 0;
+};
+
+glm::dmat3 camera_rows(const Camera& camera) { return {camera.row_x, camera.row_y, camera.row_w}; }
+
+// The side of the point (x, y), moved by the infinitesimal amount that decides ties.
+int shifted_sign(const EdgeSigns& signs) {
+  return signs.at_pixel != 0 ? signs.at_pixel : signs.x != 0 ? signs.x : signs.y;
+}
+
+// Whether the point that the facet shows at a pixel where it lies within its edges is on the piece's side of a cut.
+bool is_on_side(const ProjectedMesh& projected, std::uint32_t facet, int facing, const FacetCut& cut,
+                const EdgeValues& edges, int x, int y) {
+  double value = 0, error = 0;
+  for (int i = 0; i < 3; ++i) {
+    value += edges.value[i] * cut.volume[i];
+    error += cut_term_error(std::abs(edges.value[i]), edges.error[i], cut.volume[i], cut.error);
+  }
+  if (std::abs(value) > error) return value > 0;
+  const EdgeSigns signs =
+      exact_cut_signs(positions_of(projected.mesh, projected.mesh.triangles[facet]),
+                      positions_of(projected.mesh, cut.plane), projected.view.eye, camera_rows(projected.camera),
+                      projected.camera.offset, x + 0.5, y + 0.5);
+  const int side = -facing * shifted_sign(signs);
+  // A facet that lies in the plane is on its positive side, so that one of the two sides has it.
+  return (side != 0 ? side : 1) == cut.side;
 }
 
 }  // namespace
@@ -137,18 +200,50 @@ FacetEdges facet_edges(const ProjectedMesh& projected, std::uint32_t facet, int 
   return edges;
 }
 
-bool covers_pixel(const ProjectedMesh& projected, std::uint32_t facet, int facing, int x, int y) {
+FacetCut facet_cut(const MeshView& mesh, std::uint32_t facet, const glm::uvec3& plane, std::int32_t side) {
+  const auto [a, b, c] = positions_of(mesh, plane);
+  FacetCut made{{}, 0, plane, side};
+  double largest = 0;
+  for (int i = 0; i < 3; ++i) {
+    const SignedVolume volume = signed_volume(a, b, c, mesh.corner(facet, i));
+    made.volume[i] = side * volume.value;
+    made.error = std::max(made.error, volume.error);
+    largest = std::max(largest, std::abs(volume.value));
+  }
+  int exponent = 0;
+  std::frexp(largest, &exponent);
+  for (double& volume : made.volume) volume = std::ldexp(volume, -exponent);
+  made.error = std::ldexp(made.error, -exponent);
+  return made;
+}
+
+CutLine cut_line(const FacetEdges& edges, const FacetCut& cut, double extent) {
+  CutLine line{0, 0, 0, 0};
+  for (int i = 0; i < 3; ++i) {
+    line.a += edges.a[i] * cut.volume[i];
+    line.b += edges.b[i] * cut.volume[i];
+    line.c += edges.c[i] * cut.volume[i];
+    const double reach = (std::abs(edges.a[i]) + std::abs(edges.b[i])) * extent + std::abs(edges.c[i]);
+    line.error += cut_term_error(reach, edges.error[i], cut.volume[i], cut.error);
+  }
+  return line;
+}
+
+bool covers_pixel(const ProjectedMesh& projected, std::uint32_t facet, int facing, std::span<const FacetCut> cuts,
+                  int x, int y) {
   const EdgeValues edges = edges_at_pixel(projected, facet, facing, x, y);
   for (int i = 0; i < 3; ++i) {
     if (edges.value[i] < -edges.error[i]) return false;
   }
   for (int i = 0; i < 3; ++i) {
     if (edges.value[i] > edges.error[i]) continue;
-    const EdgeSigns signs =
-        exact_edge_signs(projected.mesh.corner(facet, (i + 1) % 3), projected.mesh.corner(facet, (i + 2) % 3),
-                         projected.view.eye, camera_rows(projected.camera), projected.camera.offset, x + 0.5, y + 0.5);
-    const int side = signs.at_pixel != 0 ? signs.at_pixel : signs.x != 0 ? signs.x : signs.y;
+    const int side = shifted_sign(exact_edge_signs(
+        projected.mesh.corner(facet, (i + 1) % 3), projected.mesh.corner(facet, (i + 2) % 3), projected.view.eye,
+        camera_rows(projected.camera), projected.camera.offset, x + 0.5, y + 0.5));
     if (-facing * side < 0) return false;
+  }
+  for (const FacetCut& cut : cuts) {
+    if (!is_on_side(projected, facet, facing, cut, edges, x, y)) return false;
   }
   return true;
 }
@@ -164,32 +259,80 @@ PixelBox facet_pixels(const ProjectedMesh& projected, std::uint32_t facet) {
   }
   if (beyond_near == 0) return {};
 
-  double x0 = INFINITY, x1 = -INFINITY, y0 = INFINITY, y1 = -INFINITY, margin = 0;
-  const auto include = [&](double x, double y, double w, double reach) {
-    const double px = x / w, py = y / w;
-    x0 = std::min(x0, px);
-    x1 = std::max(x1, px);
-    y0 = std::min(y0, py);
-    y1 = std::max(y1, py);
-    const double terms = bounds.x + bounds.y + (std::abs(px) + std::abs(py)) * bounds.w;
-    margin = std::max(margin, 4 * projection_roundings * terms * reach / w);
-  };
+  PixelBounds pixels;
   for (int i = 0; i < 3; ++i) {
     const ProjectedVertex& p = *corner[i];
     const ProjectedVertex& q = *corner[(i + 1) % 3];
     const bool p_beyond = beyond_near == 3 || p.w >= near_distance;
-    if (p_beyond) include(p.x, p.y, p.w, p.reach);
+    if (p_beyond) pixels.include(bounds, p.x, p.y, p.w, p.reach);
     if (beyond_near == 3 || p_beyond == (q.w >= near_distance)) continue;
     const double t = (near_distance - p.w) / (q.w - p.w);
-    include(p.x + t * (q.x - p.x), p.y + t * (q.y - p.y), near_distance, p.reach + q.reach);
+    pixels.include(bounds, p.x + t * (q.x - p.x), p.y + t * (q.y - p.y), near_distance, p.reach + q.reach);
   }
-  const int width = projected.view.width, height = projected.view.height;
-  PixelBox box;
-  box.x0 = std::max(0, clamp_pixel(std::ceil(x0 - margin - 0.5), width));
-  box.y0 = std::max(0, clamp_pixel(std::ceil(y0 - margin - 0.5), height));
-  box.x1 = std::min(width - 1, clamp_pixel(std::floor(x1 + margin - 0.5), width));
-  box.y1 = std::min(height - 1, clamp_pixel(std::floor(y1 + margin - 0.5), height));
+  PixelBox box = pixels.box(projected.view);
   box.crosses_near = beyond_near != 3;
+  return box;
+}
+
+// Leaves of the polygon what has a value of at least `lowest_kept` (Sutherland and Hodgman 1974, "Reentrant Polygon
+// Clipping").
+void PieceClipper::cut_off_below(double lowest_kept) {
+  clipped_.clear();
+  for (std::size_t i = 0; i < polygon_.size(); ++i) {
+    const std::size_t next = i + 1 < polygon_.size() ? i + 1 : 0;
+    const double here = values_[i] - lowest_kept, there = values_[next] - lowest_kept;
+    if (here >= 0) clipped_.push_back(polygon_[i]);
+    if ((here >= 0) != (there >= 0)) {
+      clipped_.push_back(polygon_[i] + here / (here - there) * (polygon_[next] - polygon_[i]));
+    }
+  }
+  polygon_.swap(clipped_);
+}
+
+PixelBox PieceClipper::clip(const ProjectedMesh& projected, const Pieces& pieces, const Piece& piece,
+                            const PixelBox& facet_box, std::vector<FacetCut>& kept) {
+  // Values are at most 1, weights sum to 1: each clip adds a few roundings to what the polygon's corners are worth.
+  constexpr double clip_margin = 0x1p-20;
+  const std::size_t kept_before = kept.size();
+  polygon_ = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  for (const Cut& cut : pieces.cuts_of(piece)) {
+    const FacetCut measured =
+        facet_cut(projected.mesh, piece.facet, pieces.plane_vertices(cut, projected.mesh.triangles), cut.side);
+    const glm::dvec3 volume(measured.volume[0], measured.volume[1], measured.volume[2]);
+    const double margin = std::max(clip_margin, 2 * measured.error);
+    values_.clear();
+    for (const glm::dvec3& weights : polygon_) values_.push_back(glm::dot(volume, weights));
+    const auto [lowest, highest] = std::minmax_element(values_.begin(), values_.end());
+    if (*highest < -margin) {
+      kept.resize(kept_before);
+      return {};
+    }
+    if (*lowest > margin) continue;
+    kept.push_back(measured);
+    cut_off_below(-margin);
+  }
+  // Where the facet crosses the near plane its corners need not be in front of the eye.
+  if (facet_box.crosses_near) return facet_box;
+
+  double reach = 0;
+  glm::dvec3 x, y, w;
+  for (int i = 0; i < 3; ++i) {
+    const ProjectedVertex& corner = projected.vertices[projected.mesh.triangles[piece.facet][i]];
+    x[i] = corner.x;
+    y[i] = corner.y;
+    w[i] = corner.w;
+    reach += corner.reach;
+  }
+  PixelBounds bounds;
+  for (const glm::dvec3& weights : polygon_) {
+    bounds.include(projected.bounds, glm::dot(x, weights), glm::dot(y, weights), glm::dot(w, weights), 2 * reach);
+  }
+  PixelBox box = bounds.box(projected.view);
+  box.x0 = std::max(box.x0, facet_box.x0);
+  box.y0 = std::max(box.y0, facet_box.y0);
+  box.x1 = std::min(box.x1, facet_box.x1);
+  box.y1 = std::min(box.y1, facet_box.y1);
+  if (box.empty()) kept.resize(kept_before);
   return box;
 }
 

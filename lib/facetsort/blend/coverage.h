@@ -10,13 +10,20 @@
 // its right, or below it (top-left rule), which is the same as moving the centre by an infinitesimal amount to the
 // right and a yet smaller one down: hence every pixel of a closed surface is covered exactly once a layer, at edges
 // and corners too.
+//
+// A piece of a facet also covers only what lies on the given side of each of its cuts' planes. The point seen at p has
+// weights E_i(p) of the facet's corners, so the plane's value there is C(p) = sum(E_i(p) s_i) up to a positive factor,
+// with s_i the signed volume of the plane's corners and corner i: linear in p, one more edge function, decided in the
+// same three ways and by the same tie rule. Hence the two sides of a cut share no pixel and miss none.
 #pragma once
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <span>
 #include <vector>
 
 #include "facetsort/blend/view.h"
+#include "facetsort/exact/pieces.h"
 #include "facetsort/mesh/mesh_view.h"
 
 namespace facetsort::blend_internal {
@@ -58,8 +65,26 @@ int facet_facing(const ProjectedMesh& projected, std::uint32_t facet);
 FacetEdges facet_edges(const ProjectedMesh& projected, std::uint32_t facet, int facing, const glm::dvec2& origin,
                        double extent);
 
-// Whether the facet covers the pixel (x, y). Exact. Precondition as above.
-bool covers_pixel(const ProjectedMesh& projected, std::uint32_t facet, int facing, int x, int y);
+// One cut of one facet: the plane's value at corner i is volume[i], within `error`, the piece's side being positive.
+// Scaled by a power of two: the largest magnitude lies in [1/2, 1), unless all are 0. The same for every view.
+struct FacetCut {
+  double volume[3], error;
+  glm::uvec3 plane;  // vertices
+  std::int32_t side;
+};
+// `plane`: the vertices of the cut's plane (see Pieces).
+FacetCut facet_cut(const MeshView& mesh, std::uint32_t facet, const glm::uvec3& plane, std::int32_t side);
+
+// A cut's edge function in the coordinates of `edges`, positive on the piece's side, and the bound on its rounding
+// within `extent`, the one that `edges` was asked for.
+struct CutLine {
+  double a, b, c, error;
+};
+CutLine cut_line(const FacetEdges& edges, const FacetCut& cut, double extent);
+
+// Whether the facet, or the piece of it that `cuts` leave, covers the pixel (x, y). Exact. Precondition as above.
+bool covers_pixel(const ProjectedMesh& projected, std::uint32_t facet, int facing, std::span<const FacetCut> cuts,
+                  int x, int y);
 
 // Pixels whose centres the facet may cover, inclusive, within the picture; empty where it covers none. Conservative.
 struct PixelBox {
@@ -69,6 +94,22 @@ struct PixelBox {
   bool empty() const { return x0 > x1 || y0 > y1; }
 };
 PixelBox facet_pixels(const ProjectedMesh& projected, std::uint32_t facet);
+
+// Finds which of a piece's cuts matter, and where. Keeps its scratch.
+class PieceClipper {
+ public:
+  // Returns the pixels that the piece may cover, within `facet_box`, the facet's, and unless there are none appends to
+  // `kept` those of the piece's cuts that the ones before them do not make needless. Conservative: a convex polygon in
+  // double is clipped beside the cuts, by more than all rounding.
+  PixelBox clip(const ProjectedMesh& projected, const Pieces& pieces, const Piece& piece, const PixelBox& facet_box,
+                std::vector<FacetCut>& kept);
+
+ private:
+  void cut_off_below(double lowest_kept);
+
+  std::vector<glm::dvec3> polygon_, clipped_;  // corners, as weights of the facet's
+  std::vector<double> values_;                 // of a cut at the polygon's corners
+};
 
 // Depth along the pixel's ray, as Ray has it, and a bound on its rounding. From barycentric weights, so that it lies
 // between the corners' depths however thin the facet is. Precondition: the facet covers the pixel.

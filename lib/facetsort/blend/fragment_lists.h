@@ -7,11 +7,12 @@
 #include <vector>
 
 #include "facetsort/blend/view.h"
+#include "facetsort/exact/pieces.h"
 #include "facetsort/mesh/mesh_view.h"
 
 namespace facetsort {
 
-// The rank (position in an order) of a facet that the order leaves out.
+// The rank (position in an order) of what the order leaves out.
 inline constexpr std::uint32_t not_drawn = 0xffffffffu;
 
 // One facet at one pixel centre.
@@ -38,5 +39,12 @@ struct FragmentLists {
 // through the pixel's centre meets it (edges and corners by the top-left rule, each pixel once). Parallel in the
 // caller's task arena; same result for any thread count.
 FragmentLists collect_fragments(const MeshView& mesh, const View& view);
+
+// The rank of each fragment, parallel to lists.fragments: the position in `order` of its facet or, where the order
+// draws pieces of that, of the piece that covers the pixel; not_drawn where there is none. Exact. `order`: draw ids (see
+// Pieces), each at most once, and no facet both whole and in pieces. `lists`: of this mesh and view, whoever found
+// them. Parallel in the caller's task arena.
+std::vector<std::uint32_t> fragment_ranks(const MeshView& mesh, const View& view, const FragmentLists& lists,
+                                          std::span<const std::uint32_t> order, const Pieces& pieces = {});
 
 }  // namespace facetsort

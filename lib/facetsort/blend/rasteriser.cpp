@@ -1,5 +1,6 @@
 #include "facetsort/blend/rasteriser.h"
 
+#include <atomic>
 #include <cassert>
 
 #include "facetsort/base/parallel.h"
@@ -10,6 +11,28 @@ namespace facetsort {
 struct Rasteriser::Scratch {
   blend_internal::ProjectedMesh projected;
   blend_internal::FacetBins bins;
+  std::vector<blend_internal::PeeledTile> peeled_tiles;
+
+  // Resizes the image, and projects and bins what is to be drawn.
+  blend_internal::TileTask prepare(const MeshView& mesh, const View& view, std::span<const std::uint32_t> order,
+                                   std::span<const glm::vec4> colours, const glm::vec4& clear_colour,
+                                   PixelFormat format, Image& image, const Pieces& pieces) {
+    assert(colours.size() == mesh.facet_count() || (colours.empty() && !mesh.vertex_colours.empty()));
+    image.width = view.width;
+    image.height = view.height;
+    image.format = format;
+    image.pixels.resize(static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height));
+    projected.project(mesh, view);
+    bins.build(projected, order, pieces);
+    return {projected, bins, colours, clear_colour, format, image};
+  }
+
+  template <typename Body>
+  void for_each_tile(const Body& body) const {
+    parallel_ranges(static_cast<std::size_t>(bins.tiles()), 1, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t tile = begin; tile < end; ++tile) body(static_cast<int>(tile));
+    });
+  }
 };
 
 Rasteriser::Rasteriser() : scratch_(std::make_unique<Scratch>()) {}
@@ -19,30 +42,43 @@ Rasteriser::~Rasteriser() = default;
 
 DrawStatistics Rasteriser::draw(const MeshView& mesh, const View& view, std::span<const std::uint32_t> order,
                                 std::span<const glm::vec4> colours, std::span<const DrawPass> passes,
-                                const glm::vec4& clear_colour, PixelFormat format, Image& image) {
-  assert(colours.size() == mesh.facet_count() || (colours.empty() && !mesh.vertex_colours.empty()));
-  image.width = view.width;
-  image.height = view.height;
-  image.format = format;
-  image.pixels.resize(static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height));
-
-  scratch_->projected.project(mesh, view);
-  const blend_internal::FacetBins& bins = scratch_->bins;
-  scratch_->bins.build(scratch_->projected, order);
-
-  const blend_internal::DrawTask task{scratch_->projected, colours, passes, clear_colour, format, image};
-  parallel_ranges(static_cast<std::size_t>(bins.tiles()), 1, [&](std::size_t begin, std::size_t end) {
-    for (int tile = static_cast<int>(begin); tile < static_cast<int>(end); ++tile) {
-      blend_internal::draw_tile(task, bins.tile(tile), tile % bins.columns() * blend_internal::tile_size,
-                                tile / bins.columns() * blend_internal::tile_size);
-    }
-  });
+                                const glm::vec4& clear_colour, PixelFormat format, Image& image,
+                                const Pieces& pieces) {
+  const blend_internal::TileTask task =
+      scratch_->prepare(mesh, view, order, colours, clear_colour, format, image, pieces);
+  scratch_->for_each_tile([&](int tile) { blend_internal::draw_tile(task, passes, tile); });
 
   DrawStatistics statistics;
+  statistics.passes = static_cast<int>(passes.size());
   for (const DrawPass& pass : passes) {
-    if (pass.cull != Cull::back_faces) statistics.facets_drawn += bins.back_facets();
-    if (pass.cull != Cull::front_faces) statistics.facets_drawn += bins.front_facets();
+    if (pass.cull != Cull::back_faces) statistics.facets_drawn += scratch_->bins.back_facets();
+    if (pass.cull != Cull::front_faces) statistics.facets_drawn += scratch_->bins.front_facets();
   }
+  return statistics;
+}
+
+DrawStatistics Rasteriser::peel(const MeshView& mesh, const View& view, std::span<const std::uint32_t> order,
+                                std::span<const glm::vec4> colours, Peeling peeling, const glm::vec4& clear_colour,
+                                PixelFormat format, Image& image, const Pieces& pieces) {
+  const blend_internal::TileTask task =
+      scratch_->prepare(mesh, view, order, colours, clear_colour, format, image, pieces);
+  std::vector<blend_internal::PeeledTile>& tiles = scratch_->peeled_tiles;
+  tiles.resize(static_cast<std::size_t>(scratch_->bins.tiles()));
+  scratch_->for_each_tile(
+      [&](int tile) { blend_internal::start_peeling(task, tiles[static_cast<std::size_t>(tile)]); });
+  DrawStatistics statistics;
+  std::atomic<bool> more = true;
+  for (; more; ++statistics.passes) {
+    more = false;
+    scratch_->for_each_tile([&](int tile) {
+      if (blend_internal::peel_tile(task, peeling, tile, tiles[static_cast<std::size_t>(tile)])) more = true;
+    });
+  }
+  scratch_->for_each_tile([&](int tile) {
+    blend_internal::finish_peeling(task, tile, tiles[static_cast<std::size_t>(tile)]);
+  });
+  statistics.facets_drawn = (scratch_->bins.front_facets() + scratch_->bins.back_facets()) *
+                            static_cast<std::size_t>(statistics.passes);
   return statistics;
 }
 

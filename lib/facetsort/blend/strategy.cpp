@@ -6,6 +6,7 @@
 #include "facetsort/blend/coverage.h"
 #include "facetsort/blend/shading.h"
 #include "facetsort/blend/source_over.h"
+#include "facetsort/exact/exact_sorter.h"
 
 namespace facetsort {
 namespace {
@@ -25,12 +26,14 @@ constexpr NamedKind kinds[] = {
     {StrategyKind::depth_prepass, "depth_prepass"},
     {StrategyKind::depth_write, "depth_write"},
     {StrategyKind::facet_sort, "facet_sort"},
+    {StrategyKind::depth_peeling, "depth_peeling"},
+    {StrategyKind::dual_depth_peeling, "dual_depth_peeling"},
     {StrategyKind::reference, "reference"},
 };
 
 constexpr std::string_view method_separator = ":";
 
-// What the blend target is told to do for a kind; nothing for the reference, which it does not draw.
+// What the blend target is told to do for a kind; nothing for those that do not draw a fixed number of passes.
 std::vector<DrawPass> draw_passes(StrategyKind kind) {
   const DrawPass plain;
   const DrawPass backs{.cull = Cull::front_faces}, fronts{.cull = Cull::back_faces};
@@ -47,10 +50,18 @@ std::vector<DrawPass> draw_passes(StrategyKind kind) {
               {.depth_test = DepthTest::less_or_equal, .depth_write = true}};
     case StrategyKind::depth_write:
       return {{.depth_test = DepthTest::less_or_equal, .depth_write = true}};
+    case StrategyKind::depth_peeling:
+    case StrategyKind::dual_depth_peeling:
     case StrategyKind::reference:
       break;
   }
   return {};
+}
+
+std::optional<Peeling> peeling_of(StrategyKind kind) {
+  if (kind == StrategyKind::depth_peeling) return Peeling::front_to_back;
+  if (kind == StrategyKind::dual_depth_peeling) return Peeling::from_both_ends;
+  return std::nullopt;
 }
 
 void resize_image(const View& view, PixelFormat format, Image& image) {
@@ -63,7 +74,8 @@ void resize_image(const View& view, PixelFormat format, Image& image) {
 }  // namespace
 
 bool Strategy::draws_in_order() const {
-  return kind != StrategyKind::depth_prepass && kind != StrategyKind::depth_write && kind != StrategyKind::reference;
+  return kind == StrategyKind::unsorted || kind == StrategyKind::separate_culling_pass ||
+         kind == StrategyKind::double_sided || kind == StrategyKind::facet_sort;
 }
 
 std::string Strategy::name() const {
@@ -80,7 +92,7 @@ std::vector<Strategy> all_strategies() {
   std::vector<Strategy> strategies;
   for (const NamedKind& named : kinds) {
     if (named.kind == StrategyKind::facet_sort) {
-      for (const Method method : depth_key_methods()) strategies.push_back({named.kind, method});
+      for (const Method method : all_methods()) strategies.push_back({named.kind, method});
     } else {
       strategies.push_back({.kind = named.kind});
     }
@@ -108,17 +120,32 @@ struct StrategyRenderer::State {
   Strategy strategy;
   std::vector<DrawPass> passes;
   std::optional<Sorter> sorter;
+  std::optional<ExactSorter> exact_sorter;
   std::vector<std::uint32_t> index_order;  // of the strategies that do not sort
   std::span<const std::uint32_t> order;
   std::vector<glm::vec4> colours;
   Rasteriser rasteriser;
+  int passes_drawn = 1;
+
+  Pieces pieces() const { return exact_sorter ? exact_sorter->pieces() : Pieces{}; }
+
+  // With the given colours, whatever the strategy (but reference) does.
+  DrawStatistics draw(const View& view, std::span<const glm::vec4> facet_colours, const glm::vec4& clear_colour,
+                      PixelFormat format, Image& image) {
+    if (const std::optional<Peeling> peeling = peeling_of(strategy.kind)) {
+      return rasteriser.peel(mesh, view, order, facet_colours, *peeling, clear_colour, format, image);
+    }
+    return rasteriser.draw(mesh, view, order, facet_colours, passes, clear_colour, format, image, pieces());
+  }
 };
 
 StrategyRenderer::StrategyRenderer(const MeshView& mesh, const Strategy& strategy) : state_(std::make_unique<State>()) {
   state_->mesh = mesh;
   state_->strategy = strategy;
   state_->passes = draw_passes(strategy.kind);
-  if (strategy.kind == StrategyKind::facet_sort) {
+  if (strategy.kind == StrategyKind::facet_sort && strategy.method == Method::exact) {
+    state_->exact_sorter.emplace(mesh);
+  } else if (strategy.kind == StrategyKind::facet_sort) {
     state_->sorter.emplace(mesh, strategy.method);
   } else if (strategy.kind != StrategyKind::reference) {
     state_->index_order.resize(mesh.facet_count());
@@ -132,7 +159,9 @@ StrategyRenderer& StrategyRenderer::operator=(StrategyRenderer&&) noexcept = def
 StrategyRenderer::~StrategyRenderer() = default;
 
 void StrategyRenderer::order(const View& view) {
-  if (state_->sorter) state_->order = state_->sorter->sort({view.homogeneous_eye(), view.forward()});
+  const SortView sort_view{view.homogeneous_eye(), view.forward()};
+  if (state_->sorter) state_->order = state_->sorter->sort(sort_view);
+  if (state_->exact_sorter) state_->order = state_->exact_sorter->sort(sort_view);
 }
 
 DrawStatistics StrategyRenderer::draw(const View& view, PixelFormat format, Image& image) {
@@ -140,10 +169,12 @@ DrawStatistics StrategyRenderer::draw(const View& view, PixelFormat format, Imag
   if (state.strategy.kind == StrategyKind::reference) {
     const FragmentLists lists = collect_fragments(state.mesh, view);
     blend_lists(state.mesh, view, lists, format, image);
-    return {.facets_drawn = lists.facets_drawn};
+    return {.facets_drawn = lists.facets_drawn, .passes = 1};
   }
   if (has_one_colour_per_facet(state.mesh)) facet_colours(state.mesh, view.homogeneous_eye(), state.colours);
-  return state.rasteriser.draw(state.mesh, view, state.order, state.colours, state.passes, background, format, image);
+  const DrawStatistics statistics = state.draw(view, state.colours, background, format, image);
+  state.passes_drawn = statistics.passes;
+  return statistics;
 }
 
 void StrategyRenderer::draw_coverage(const View& view, Image& image) {
@@ -158,34 +189,47 @@ void StrategyRenderer::draw_coverage(const View& view, Image& image) {
   }
   // Premultiplied source-over with alpha 0 adds: each fragment counts 1 in red.
   const std::vector<glm::vec4> ones(state.mesh.facet_count(), glm::vec4(1, 0, 0, 0));
-  state.rasteriser.draw(state.mesh, view, state.order, ones, state.passes, glm::vec4(0), PixelFormat::rgba32f, image);
+  state.draw(view, ones, glm::vec4(0), PixelFormat::rgba32f, image);
 }
 
-void StrategyRenderer::ranks(const View& view, std::vector<std::uint32_t>& rank) const {
+std::vector<std::uint32_t> StrategyRenderer::ranks(const View& view, const FragmentLists& lists) const {
   const State& state = *state_;
-  rank.assign(state.mesh.facet_count(), not_drawn);
+  if (state.passes.size() == 1) return fragment_ranks(state.mesh, view, lists, state.order, state.pieces());
+
+  // Passes over whole facets that cull: each draws some.
+  std::vector<std::uint32_t> drawn;
+  drawn.reserve(state.order.size());
   blend_internal::ProjectedMesh projected;
   projected.project(state.mesh, view);
-  std::uint32_t next = 0;
   for (const DrawPass& pass : state.passes) {
     for (const std::uint32_t facet : state.order) {
-      if (pass.cull != Cull::none) {
-        // A facet seen edge-on covers nothing: it may go with either side.
-        const bool front = blend_internal::facet_facing(projected, facet) >= 0;
-        if (front == (pass.cull == Cull::front_faces)) continue;
-      }
-      rank[facet] = next++;
+      // A facet seen edge-on covers nothing: it may go with either side.
+      const bool front = blend_internal::facet_facing(projected, facet) >= 0;
+      if (front == (pass.cull == Cull::back_faces)) drawn.push_back(facet);
     }
   }
+  return fragment_ranks(state.mesh, view, lists, drawn);
 }
 
 const Strategy& StrategyRenderer::strategy() const { return state_->strategy; }
 
 int StrategyRenderer::passes() const {
-  return state_->strategy.kind == StrategyKind::reference ? 1 : static_cast<int>(state_->passes.size());
+  const State& state = *state_;
+  return state.passes.empty() ? state.passes_drawn : static_cast<int>(state.passes.size());
 }
 
-std::size_t StrategyRenderer::prepared_bytes() const { return state_->sorter ? state_->sorter->prepared_bytes() : 0; }
+std::size_t StrategyRenderer::pieces() const {
+  return state_->exact_sorter ? state_->order.size() : state_->mesh.facet_count();
+}
+
+std::size_t StrategyRenderer::triangles() const {
+  return state_->exact_sorter ? state_->exact_sorter->statistics().triangles : state_->mesh.facet_count();
+}
+
+std::size_t StrategyRenderer::prepared_bytes() const {
+  if (state_->exact_sorter) return state_->exact_sorter->prepared_bytes();
+  return state_->sorter ? state_->sorter->prepared_bytes() : 0;
+}
 
 void blend_lists(const MeshView& mesh, const View& view, const FragmentLists& lists, PixelFormat format,
                  Image& image) {

@@ -26,7 +26,10 @@ enum class StrategyKind {
                           // first and backs last (Babylon.js DOUBLESIDE)
   depth_prepass,          // depth first, then colour where the depth is the nearest (Babylon.js needDepthPrePass)
   depth_write,            // index order with depth test and depth writing on (Three.js's default)
-  facet_sort,             // facets ordered by a depth key
+  facet_sort,             // facets ordered by a method: a depth key, or exactly, cut where they must be
+  depth_peeling,          // a layer a pass, from the front, until none is left (Everitt 2001; vtkDepthPeelingPass)
+  dual_depth_peeling,     // two layers a pass, the nearest and the farthest left (Bavoil and Myers 2008;
+                          // vtkDualDepthPeelingPass)
   reference,              // every fragment of a pixel blended by its own depth
 };
 
@@ -35,7 +38,7 @@ struct Strategy {
   Method method = Method::centroid_distance;  // of facet_sort
 
   bool operator==(const Strategy&) const = default;
-  // Whether each facet is drawn whole at one place of an order, so that inversions can be counted.
+  // Whether each facet, or each piece of it, is drawn at one place of an order, so that inversions can be counted.
   bool draws_in_order() const;
   // "unsorted", "facet_sort:centroid_distance", ...
   std::string name() const;
@@ -63,12 +66,14 @@ class StrategyRenderer {
 
   // Draws the number of times each pixel is covered, by the same passes, into the red channel (rgba32f).
   void draw_coverage(const View& view, Image& image);
-  // Position of each facet in the sequence in which facets are drawn for the last order(), or not_drawn. Only where
-  // strategy().draws_in_order().
-  void ranks(const View& view, std::vector<std::uint32_t>& rank) const;
+  // Position of each fragment in the sequence in which facets and pieces are drawn for the last order(), or not_drawn,
+  // parallel to lists.fragments (see fragment_ranks()). Only where strategy().draws_in_order().
+  std::vector<std::uint32_t> ranks(const View& view, const FragmentLists& lists) const;
 
   const Strategy& strategy() const;
-  int passes() const;                  // over the geometry
+  int passes() const;                  // over the geometry; of depth peeling, for the last draw()
+  std::size_t pieces() const;          // whole facets, and pieces of the others, for the last order()
+  std::size_t triangles() const;       // that those are as plain triangles; counting them takes time where some are cut
   std::size_t prepared_bytes() const;  // held beyond the mesh, made at construction
 
  private:

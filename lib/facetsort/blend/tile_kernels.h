@@ -11,17 +11,39 @@
 
 namespace facetsort::blend_internal {
 
-struct DrawTask {
+struct TileTask {
   const ProjectedMesh& projected;
+  const FacetBins& bins;
   std::span<const glm::vec4> colours;  // premultiplied, a facet; empty: the mesh's vertex colours
-  std::span<const DrawPass> passes;
   glm::vec4 clear_colour;
   PixelFormat format;
   Image& image;
 };
 
-// Draws the tile whose upper left pixel is (x0, y0): clears, runs every pass over `entries`, writes the image's part.
-void draw_tile(const DrawTask& task, std::span<const BinEntry> entries, int x0, int y0);
+// Clears one tile, runs every pass over what the bins have there, and writes the image's part.
+void draw_tile(const TileTask& task, std::span<const DrawPass> passes, int tile);
+
+// One value a pixel of a tile, and four.
+struct alignas(64) TilePlane {
+  float pixel[tile_size * tile_size];
+};
+struct TileColours {
+  TilePlane channel[4];
+};
+
+// What depth peeling has found in one tile so far; colours in units of the format.
+struct PeeledTile {
+  TileColours front;          // layers peeled from the front, blended
+  TileColours back;           // layers peeled from the back, blended over the clear colour
+  TilePlane nearest, farthest;  // layers strictly between these are left
+};
+
+// Before the first pass.
+void start_peeling(const TileTask& task, PeeledTile& peeled);
+// One pass over what the bins have in a tile. Returns whether another one is needed.
+bool peel_tile(const TileTask& task, Peeling peeling, int tile, PeeledTile& peeled);
+// After the last pass: writes the image's part.
+void finish_peeling(const TileTask& task, int tile, PeeledTile& peeled);
 
 // A fragment in a tile, pixel = y * tile_size + x.
 struct TileFragment {
@@ -31,9 +53,9 @@ struct TileFragment {
   double depth;
 };
 
-// Appends the tile's fragments in the order of `entries`. Fragments nearer than the near plane are left out, as in
+// Appends the tile's fragments in the order of the bins. Fragments nearer than the near plane are left out, as in
 // draw_tile.
-void collect_tile(const ProjectedMesh& projected, std::span<const BinEntry> entries, int x0, int y0,
+void collect_tile(const ProjectedMesh& projected, const FacetBins& bins, int tile,
                   std::vector<TileFragment>& fragments);
 
 }  // namespace facetsort::blend_internal

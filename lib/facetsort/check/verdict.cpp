@@ -61,16 +61,17 @@ class RankCounter {
 // Judges one pixel after the other, keeping its scratch.
 class PixelJudge {
  public:
-  PixelJudge(std::span<const std::uint32_t> rank, double gap) : rank_(rank), gap_(gap) {}
+  explicit PixelJudge(double gap) : gap_(gap) {}
 
-  void judge(std::span<const Fragment> pixel, std::size_t pixel_index, Verdict& verdict) {
+  // rank_of(i) is the rank of pixel[i].
+  template <typename RankOf>
+  void judge(std::span<const Fragment> pixel, const RankOf& rank_of, std::size_t pixel_index, Verdict& verdict) {
     if (pixel.empty()) return;
     ++verdict.covered_pixels;
     fragments_.clear();
-    for (const Fragment& fragment : pixel) {
-      assert(fragment.facet < rank_.size());
-      const std::uint32_t rank = rank_[fragment.facet];
-      if (rank != not_drawn) fragments_.push_back(drawn_fragment(fragment, rank));
+    for (std::size_t i = 0; i < pixel.size(); ++i) {
+      const std::uint32_t rank = rank_of(i);
+      if (rank != not_drawn) fragments_.push_back(drawn_fragment(pixel[i], rank));
     }
     verdict.uncovered_fragments += pixel.size() - fragments_.size();
     if (is_in_order()) return;
@@ -159,23 +160,25 @@ class PixelJudge {
     return pairs;
   }
 
-  std::span<const std::uint32_t> rank_;
   double gap_;
   std::vector<DrawnFragment> fragments_, far_order_, near_order_;
   std::vector<std::uint32_t> largest_rank_, by_rank_;
   RankCounter counter_;
 };
 
-}  // namespace
-
-Verdict judge_order(const FragmentLists& lists, std::span<const std::uint32_t> rank, const JudgeOptions& options) {
+// rank_of(i) is the rank of lists.fragments[i].
+template <typename RankOf>
+Verdict judge_ranks(const FragmentLists& lists, const RankOf& rank_of, const JudgeOptions& options) {
   assert(options.bounding_radius > 0 && options.gap_radii >= 0);
   const auto width = static_cast<std::size_t>(lists.width);
   std::vector<Verdict> rows(static_cast<std::size_t>(lists.height));
   parallel_ranges(rows.size(), 4, [&](std::size_t begin, std::size_t end) {
-    PixelJudge judge(rank, options.gap_radii * options.bounding_radius);
-    for (std::size_t y = begin; y < end; ++y)
-      for (std::size_t p = y * width; p < (y + 1) * width; ++p) judge.judge(lists.pixel(p), p, rows[y]);
+    PixelJudge judge(options.gap_radii * options.bounding_radius);
+    for (std::size_t y = begin; y < end; ++y) {
+      for (std::size_t p = y * width; p < (y + 1) * width; ++p) {
+        judge.judge(lists.pixel(p), [&](std::size_t i) { return rank_of(lists.offsets[p] + i); }, p, rows[y]);
+      }
+    }
   });
 
   Verdict total;
@@ -193,6 +196,24 @@ Verdict judge_order(const FragmentLists& lists, std::span<const std::uint32_t> r
   }
   total.worst_backtrack /= options.bounding_radius;
   return total;
+}
+
+}  // namespace
+
+Verdict judge_order(const FragmentLists& lists, std::span<const std::uint32_t> rank, const JudgeOptions& options) {
+  return judge_ranks(
+      lists,
+      [&](std::size_t fragment) {
+        assert(lists.fragments[fragment].facet < rank.size());
+        return rank[lists.fragments[fragment].facet];
+      },
+      options);
+}
+
+Verdict judge_drawing(const FragmentLists& lists, std::span<const std::uint32_t> fragment_rank,
+                      const JudgeOptions& options) {
+  assert(fragment_rank.size() == lists.fragments.size());
+  return judge_ranks(lists, [&](std::size_t fragment) { return fragment_rank[fragment]; }, options);
 }
 
 }  // namespace facetsort

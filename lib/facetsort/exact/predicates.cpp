@@ -2,8 +2,10 @@
 // Predicates". Fallback: integers.h.
 #include "facetsort/exact/predicates.h"
 
+#include <algorithm>
 #include <cassert>
 #include <cmath>
+#include <cstdint>
 #include <initializer_list>
 #include <limits>
 
@@ -36,10 +38,39 @@ inline Determinant determinant_of(const glm::dvec3& u, const glm::dvec3& v, cons
               std::abs(w.z) * (std::abs(ux_vy) + std::abs(uy_vx))};
 }
 
+// Coordinates that are integers of this many bits: their differences have one more, and a determinant of three
+// differences fits 128.
+constexpr int small_bits = 39;
+using SmallInteger = boost::multiprecision::int128_t;
+
+double largest_magnitude(const glm::dvec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+
+int small_determinant_sign(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& d,
+                           bool d_is_point, int exponent) {
+  const auto scaled = [&](double value) { return static_cast<std::int64_t>(std::ldexp(value, -exponent)); };
+  std::int64_t u[3], v[3], w[3];
+  for (int i = 0; i < 3; ++i) {
+    const std::int64_t origin = scaled(a[i]);
+    u[i] = scaled(b[i]) - origin;
+    v[i] = scaled(c[i]) - origin;
+    w[i] = scaled(d[i]) - (d_is_point ? origin : 0);
+  }
+  SmallInteger determinant = 0;
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    determinant += (SmallInteger(u[j]) * v[k] - SmallInteger(u[k]) * v[j]) * w[i];
+  }
+  return determinant.sign();
+}
+
 int exact_determinant_sign(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::vec4& d) {
   ++fallback_count;
   const glm::dvec3 target(d);
   const int exponent = common_exponent({glm::dvec3(a), glm::dvec3(b), glm::dvec3(c), target});
+  const double limit = std::ldexp(1.0, exponent + small_bits);
+  if (std::max({largest_magnitude(a), largest_magnitude(b), largest_magnitude(c), largest_magnitude(target)}) < limit) {
+    return small_determinant_sign(a, b, c, target, d.w != 0, exponent);
+  }
   const IntegerVector origin = scaled_integers(a, exponent);
   const IntegerVector u = scaled_integers(b, exponent) - origin;
   const IntegerVector v = scaled_integers(c, exponent) - origin;

@@ -1,10 +1,8 @@
 // Every stage once, through the header that includes them all: write and read a tetrahedron, sort, draw and judge it.
 #include <array>
-#include <cstdint>
 #include <cstdio>
 #include <glm/glm.hpp>
 #include <utility>
-#include <vector>
 
 #include "facetsort/facetsort.h"
 
@@ -27,13 +25,11 @@ int main() {
   if (renderer.draw(view, PixelFormat::rgba32f, picture).facets_drawn != 4) return 1;
   if (!write_image("tetrahedron.png", picture).ok()) return 1;
 
-  std::vector<std::uint32_t> ranks;
-  renderer.ranks(view, ranks);
   const Result<EmbreeReferee> referee = EmbreeReferee::create(tetrahedron);
   if (!referee.ok()) return 1;
   const Result<RayHits> hits = referee.value().cast(view);
   if (!hits.ok()) return 1;
-  const Verdict verdict = judge_order(hits.value().lists, ranks, {});
+  const Verdict verdict = judge_drawing(hits.value().lists, renderer.ranks(view, hits.value().lists), {});
   if (verdict.covered_pixels == 0 || verdict.inverted_pixels != 0) return 1;
   if (!write_csv("comparison.csv", {}).ok()) return 1;
   std::puts("sorted, drawn and judged");
