@@ -19,6 +19,9 @@
 namespace facetsort {
 namespace {
 
+// The computation's own error bound alone decides which pairs are judged: no gap, and so no radius either.
+constexpr JudgeOptions rounding_alone{.bounding_radius = 1, .gap_radii = 0};
+
 // The centroid sort as it is usually written: absolute coordinates and squared distances, all in float32. It stands for
 // what a careful key saves, so nothing in it may be improved. `eye` as in SortView.
 std::vector<std::uint32_t> naive_centroid_order(const MeshView& mesh, const glm::vec4& eye) {
@@ -64,7 +67,7 @@ void add_reach(const SweptView& swept, StabilityPoint& point) {
   point.embree.unjudged += swept.hits.unjudged_rays + open_pixels(swept.hits.lists);
 }
 
-// The same two steps for our methods and for the naive one: find an order, and draw in it.
+// The same steps for our methods and for the naive one: find an order, judge it, and draw in it.
 class Contender {
  public:
   Contender(const MeshView& mesh, const StabilityMethod& method) : mesh_(mesh) {
@@ -74,16 +77,17 @@ class Contender {
   void order(const View& view) {
     if (renderer_) {
       renderer_->order(view);
-      renderer_->ranks(view, ranks_);
-      return;
+    } else {
+      order_ = naive_centroid_order(mesh_, view.homogeneous_eye());
     }
-    order_ = naive_centroid_order(mesh_, view.homogeneous_eye());
-    ranks_.resize(order_.size());
-    for (std::uint32_t rank = 0; rank < order_.size(); ++rank) ranks_[order_[rank]] = rank;
   }
 
-  // Of the last order().
-  const std::vector<std::uint32_t>& ranks() const { return ranks_; }
+  // The next two are of the last order(), for the same view.
+  std::size_t inverted_pixels(const View& view, const FragmentLists& lists) const {
+    const std::vector<std::uint32_t> ranks =
+        renderer_ ? renderer_->ranks(view, lists) : fragment_ranks(mesh_, view, lists, order_);
+    return judge_drawing(lists, ranks, rounding_alone).inverted_pixels;
+  }
   const Image& draw(const View& view) {
     if (renderer_) {
       renderer_->draw(view, PixelFormat::rgba32f, picture_);
@@ -98,7 +102,7 @@ class Contender {
  private:
   MeshView mesh_;
   std::optional<StrategyRenderer> renderer_;  // empty for the naive method
-  std::vector<std::uint32_t> order_, ranks_;
+  std::vector<std::uint32_t> order_;          // of the naive method
   std::vector<glm::vec4> colours_;
   Rasteriser rasteriser_;
   Image picture_;
@@ -106,8 +110,6 @@ class Contender {
 
 MethodErrors judge_method(const MeshView& mesh, const std::vector<SweptView>& views, const StabilityMethod& method,
                           const StabilityPoint& point) {
-  // The computation's own error bound alone decides which pairs are judged: no gap, so no radius either.
-  const JudgeOptions options{.bounding_radius = 1, .gap_radii = 0};
   const bool judged = point.lists.judges(), judged_by_embree = point.embree.judges();
   MethodErrors errors;
   if (judged) errors.inverted_pixels = errors.wrong_pixels = 0;
@@ -116,13 +118,12 @@ MethodErrors judge_method(const MeshView& mesh, const std::vector<SweptView>& vi
   Contender contender(mesh, method);
   for (const SweptView& swept : views) {
     contender.order(swept.view);
-    if (judged_by_embree) {
-      *errors.inverted_rays += judge_order(swept.hits.lists, contender.ranks(), options).inverted_pixels;
-    }
+    if (judged_by_embree) *errors.inverted_rays += contender.inverted_pixels(swept.view, swept.hits.lists);
     if (!judged) continue;
-    *errors.inverted_pixels += judge_order(swept.lists, contender.ranks(), options).inverted_pixels;
+    *errors.inverted_pixels += contender.inverted_pixels(swept.view, swept.lists);
     *errors.wrong_pixels +=
-        judge_picture(mesh, swept.view, swept.lists, swept.reference, contender.draw(swept.view), options).wrong_pixels;
+        judge_picture(mesh, swept.view, swept.lists, swept.reference, contender.draw(swept.view), rounding_alone)
+            .wrong_pixels;
   }
   return errors;
 }

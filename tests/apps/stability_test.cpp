@@ -160,8 +160,23 @@ TEST_F(StabilityVerb, ACycleMakesEveryKeyWrong) {
   }
 }
 
+TEST_F(StabilityVerb, ExactIsRightWhereverARefereeJudges) {
+  const Finished finished = stability({"--methods", "exact", "--size", "32", "--json"});
+  ASSERT_EQ(finished.status, 0) << finished.error;
+  const Json document = Json::parse(finished.output);
+  std::size_t judged = 0;
+  for (const Json& row : document.at("rows")) {
+    judged += row.at("judged").get<bool>();
+    for (const char* count : {"inverted_pixels", "wrong_pixels", "embree_inverted"}) {
+      EXPECT_EQ(row.at(count).is_null() ? 0 : row.at(count).get<int>(), 0) << count << " of " << row;
+    }
+  }
+  // Nearly everywhere: that the order is right where nobody looks would say nothing.
+  EXPECT_GT(judged, document.at("rows").size() * 9 / 10);
+}
+
 TEST_F(StabilityVerb, DoesNotDependOnTheNumberOfThreads) {
-  const std::string sweeps = "eye_distance", methods = "naive_centroid,nearest_vertex";
+  const std::string sweeps = "eye_distance", methods = "naive_centroid,nearest_vertex,exact";
   EXPECT_EQ(rows(sweeps, methods, {"--threads", "1"}), rows(sweeps, methods, {"--threads", "5"}));
 }
 
