@@ -161,18 +161,20 @@ TEST_F(StabilityVerb, ACycleMakesEveryKeyWrong) {
 }
 
 TEST_F(StabilityVerb, ExactIsRightWhereverARefereeJudges) {
-  const Finished finished = stability({"--methods", "exact", "--size", "32", "--json"});
-  ASSERT_EQ(finished.status, 0) << finished.error;
-  const Json document = Json::parse(finished.output);
+  // All but the deepest nesting, whose 32,000 facets are too many for a quick test.
+  const Json all = rows(
+      "origin_distance,scale,scale_contrast,aspect_ratio,layer_gap,field_of_view,near_far_ratio,eye_distance,layers,"
+      "cycle_length",
+      "exact");
   std::size_t judged = 0;
-  for (const Json& row : document.at("rows")) {
+  for (const Json& row : all) {
     judged += row.at("judged").get<bool>();
     for (const char* count : {"inverted_pixels", "wrong_pixels", "embree_inverted"}) {
       EXPECT_EQ(row.at(count).is_null() ? 0 : row.at(count).get<int>(), 0) << count << " of " << row;
     }
   }
   // Nearly everywhere: that the order is right where nobody looks would say nothing.
-  EXPECT_GT(judged, document.at("rows").size() * 9 / 10);
+  EXPECT_GT(judged, all.size() * 9 / 10);
 }
 
 TEST_F(StabilityVerb, DoesNotDependOnTheNumberOfThreads) {

@@ -101,7 +101,7 @@ TEST(Stability, FindingsAreSentences) {
   const Stability stability = sample();
   const auto same = [](const std::string& method) { return method; };
   EXPECT_EQ(findings_text(stability.sweeps[0], methods, same),
-            "naive_centroid breaks at 1e-3 to 0.01 and at 1e5 to 1e7. centroid_distance stays under 0.1 % wherever a "
+            "naive_centroid breaks at 1e-3 to 0.01 and at 1e5 to 1e7. centroid_distance inverts nothing wherever a "
             "referee judges. The per-pixel lists cannot judge at 1e6 to 1e7; Embree cannot judge at 1e6. Where neither "
             "can, at 1e6, nothing is said.");
   StabilitySweep sweep = stability.sweeps[1];
@@ -110,8 +110,12 @@ TEST(Stability, FindingsAreSentences) {
             "naive_centroid and centroid_distance break on a vertex. Both referees judge throughout.");
   sweep.points[0] = unjudged_point(0);
   EXPECT_EQ(findings_text(sweep, methods, same),
-            "naive_centroid and centroid_distance stay under 0.1 % wherever a referee judges. Neither referee can "
-            "judge at 0: nothing is said there.");
+            "naive_centroid and centroid_distance invert nothing wherever a referee judges. Neither referee can judge "
+            "at 0: nothing is said there.");
+  sweep.points[1].methods[0] = {1, 1, 1};
+  EXPECT_EQ(findings_text(sweep, methods, same),
+            "naive_centroid stays under 0.1 % wherever a referee judges. centroid_distance inverts nothing wherever a "
+            "referee judges. Neither referee can judge at 0: nothing is said there.");
   sweep.points = {unjudged_point(1), unjudged_point(2)};
   EXPECT_EQ(findings_text(sweep, methods, same), "No referee can judge anywhere here.");
 }

@@ -29,7 +29,7 @@ struct MethodErrors {
 };
 
 struct StabilityPoint {
-  double value = 0;
+  double value = 0;   // above 0 where there is no place
   std::string place;  // "on a vertex", where the condition is no number on the sweep's axis; empty otherwise
   std::size_t facets = 0;
   RefereeReach lists, embree;         // the per-pixel lists, and Embree

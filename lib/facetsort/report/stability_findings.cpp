@@ -47,15 +47,20 @@ std::string listed(const std::vector<std::string>& items) {
   return list;
 }
 
+bool is_spotless(const StabilitySweep& sweep, std::size_t method) {
+  return std::all_of(sweep.points.begin(), sweep.points.end(),
+                     [&](const StabilityPoint& point) { return point.inverted_rate(method).value_or(0) == 0; });
+}
+
 // Methods that break in the same places share a sentence.
 std::string broken_text(const StabilitySweep& sweep, const SweepFindings& findings,
                         const std::vector<std::string>& methods,
                         const std::function<std::string(const std::string&)>& method_text) {
   std::vector<std::pair<std::string, std::vector<std::string>>> groups;  // where, who
-  std::vector<std::string> right;
+  std::vector<std::string> right, spotless;
   for (std::size_t m = 0; m < methods.size(); ++m) {
     if (findings.broken[m].empty()) {
-      right.push_back(method_text(methods[m]));
+      (is_spotless(sweep, m) ? spotless : right).push_back(method_text(methods[m]));
       continue;
     }
     const std::string where = ranges_text(findings.broken[m], sweep);
@@ -73,6 +78,10 @@ std::string broken_text(const StabilitySweep& sweep, const SweepFindings& findin
   if (!right.empty()) {
     text += join(text.empty() ? "" : " ", listed(right), right.size() == 1 ? " stays" : " stay", " under ",
                  right_enough_percent, " % wherever a referee judges.");
+  }
+  if (!spotless.empty()) {
+    text += join(text.empty() ? "" : " ", listed(spotless), spotless.size() == 1 ? " inverts" : " invert",
+                 " nothing wherever a referee judges.");
   }
   return text;
 }
