@@ -34,8 +34,8 @@ struct TileEdges {
   FacetEdges exact;                // relative to the tile's first pixel centre
   std::span<const FacetCut> cuts;  // all of the piece's
 
-  // False when nothing is covered in the entry's box.
-  bool set_up(const ProjectedMesh& projected, const FacetBins& bins, const BinEntry& entry, int x0, int y0) {
+  // False when nothing is covered in the entry's box. Inlined by force: small facets cost little else.
+  HWY_INLINE bool set_up(const ProjectedMesh& projected, const FacetBins& bins, const BinEntry& entry, int x0, int y0) {
     exact = facet_edges(projected, entry.facet, entry.facing, {x0 + 0.5, y0 + 0.5}, tile_size);
     double largest_error = 0;
     for (lines = 0; lines < 3; ++lines) {
@@ -87,7 +87,7 @@ struct TileEdges {
   }
 
   // Cuts that leave all the pixels looked at do not become lines. False when one leaves none of the entry's box.
-  bool set_up_cuts(const BinEntry& entry, double& largest_error) {
+  HWY_NOINLINE bool set_up_cuts(const BinEntry& entry, double& largest_error) {
     for (const FacetCut& cut : cuts) {
       if (lines == 3 + most_cuts) {
         largest_error = 4 * tile_size;  // no float value is certain
