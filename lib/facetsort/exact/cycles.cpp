@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cstddef>
 #include <limits>
-#include <tuple>
 #include <utility>
 
 namespace facetsort::exact_internal {
@@ -195,22 +194,25 @@ class CycleCutter {
     return sign_of(a) == sign_of(b);
   }
 
-  // The part whose plane cuts the fewest others; of those, the one that divides them most evenly.
+  // The part whose plane cuts the fewest others, and divides the rest evenly; judged by a sample of both.
   std::size_t choose_plane(const std::vector<std::uint32_t>& parts) const {
-    std::size_t chosen = 0;
-    constexpr std::size_t most_tried = 32;
+    constexpr std::size_t most_tried = 32, most_judged = 256;
     const std::size_t step = (parts.size() + most_tried - 1) / most_tried;
-    std::pair<std::size_t, std::size_t> best_cost{std::numeric_limits<std::size_t>::max(), 0};
+    const std::size_t judged_step = (parts.size() + most_judged - 1) / most_judged;
+    // In a large component an uneven plane leaves nearly all of the work to do again; in a small one cuts are what
+    // counts.
+    const std::size_t cost_of_cut = parts.size() > most_judged ? 4 : parts.size();
+    std::size_t chosen = 0, best_cost = std::numeric_limits<std::size_t>::max();
     for (std::size_t i = 0; i < parts.size(); i += step) {
       std::size_t cuts = 0, above = 0, below = 0;
-      for (const std::uint32_t part : parts) {
-        const int side = side_of(parts_[parts[i]].facet, part);
+      for (std::size_t k = 0; k < parts.size(); k += judged_step) {
+        const int side = side_of(parts_[parts[i]].facet, parts[k]);
         cuts += side == in_both;
         above += side == 1;
         below += side == -1;
-        if (cuts > best_cost.first) break;
+        if (cost_of_cut * cuts > best_cost) break;
       }
-      const std::pair<std::size_t, std::size_t> cost{cuts, std::max(above, below)};
+      const std::size_t cost = cost_of_cut * cuts + std::max(above, below);
       if (cost < best_cost) {
         best_cost = cost;
         chosen = i;

@@ -147,10 +147,18 @@ class Builder {
       });
       e.first_corner.push_back(static_cast<std::uint32_t>(e.corner_point.size()));
     }
+    e.slot_blocks.resize((count + BoxBlock::size - 1) / BoxBlock::size);
+    for (std::uint32_t i = 0; i < e.slot_blocks.size() * BoxBlock::size; ++i) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        const bool is_whole = i < count && e.draw_id[i] < facets();
+        e.slot_blocks[i / BoxBlock::size].slot[k][i % BoxBlock::size] = is_whole ? e.slots(i)[k] : no_element;
+      }
+    }
     e.slot_position.resize(e.slot_point.size());
     for (std::size_t slot = 0; slot < e.slot_point.size(); ++slot) {
       e.slot_position[slot] = in_frame(e.slot_point[slot]);
       e.extent = glm::max(e.extent, glm::abs(e.slot_position[slot]));
+      e.largest_error = std::max(e.largest_error, points_.error(e.slot_point[slot]) * e.frame.scale);
     }
     parallel_ranges(count, elements_per_task, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
@@ -251,8 +259,8 @@ std::size_t Elements::memory_bytes() const {
   const auto bytes = [](const auto&... vectors) {
     return ((vectors.capacity() * sizeof(typename std::decay_t<decltype(vectors)>::value_type)) + ...);
   };
-  return bytes(facet, draw_id, has_area, plane, longest_edge_squared, first_corner, corner_point, corner_slot, slot_point,
-               slot_position, fan_begin, fan_element, element_of_draw_id);
+  return bytes(facet, draw_id, has_area, plane, longest_edge_squared, first_corner, corner_point, corner_slot, slot_blocks,
+               slot_point,               slot_position, fan_begin, fan_element, element_of_draw_id);
 }
 
 Elements make_elements(const Points& points, const PartList& pieces, const std::vector<unsigned char>& degenerate,

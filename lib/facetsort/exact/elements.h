@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "facetsort/exact/pair_kernels.h"
 #include "facetsort/exact/parts.h"
 #include "facetsort/exact/points.h"
 #include "facetsort/facets/facets.h"
@@ -37,6 +38,7 @@ struct Elements {
 
   FacetFrame frame;
   glm::dvec3 extent{0};  // largest magnitude of each coordinate in the frame
+  double largest_error = 0;  // of slot_position, beyond the rounding of vertices
 
   std::vector<FacetId> facet;
   std::vector<std::uint32_t> draw_id;
@@ -46,6 +48,7 @@ struct Elements {
   std::vector<std::uint32_t> first_corner;  // count() + 1
   std::vector<PointId> corner_point;
   std::vector<std::uint32_t> corner_slot;
+  std::vector<SlotBlock> slot_blocks;       // of whole facets; no_element for the corners of pieces
 
   std::vector<PointId> slot_point;
   std::vector<glm::dvec3> slot_position;  // in the frame

@@ -57,45 +57,55 @@ std::vector<unsigned char> find_degenerate(const MeshView& mesh) {
   return degenerate;
 }
 
-// Facets that share edges and lie in one plane, as the two halves of a quad do, get one plane: its smallest facet.
-std::vector<FacetId> find_planes(const MeshView& mesh, const std::vector<PointId>& position,
-                                 const std::vector<unsigned char>& degenerate) {
-  struct HalfEdge {
-    PointId lower, upper;
+// One id for all facets that lie in one plane, as the two halves of a quad do: the smallest of them. Candidates are
+// facets whose planes agree in double to some digits; which of these coincide is decided exactly.
+std::vector<FacetId> find_planes(const MeshView& mesh, const std::vector<unsigned char>& degenerate) {
+  struct RoundedPlane {
+    std::int64_t x, y, z, offset;
     FacetId facet;
 
-    auto operator<=>(const HalfEdge&) const = default;
-  };
-  std::vector<HalfEdge> edges;
-  edges.reserve(3 * mesh.facet_count());
-  for (FacetId f = 0; f < mesh.facet_count(); ++f) {
-    if (degenerate[f]) continue;
-    const glm::uvec3 t = mesh.triangles[f];
-    for (int i = 0; i < 3; ++i) {
-      const PointId a = position[t[i]], b = position[t[(i + 1) % 3]];
-      edges.push_back({std::min(a, b), std::max(a, b), f});
+    auto operator<=>(const RoundedPlane&) const = default;
+    bool agrees_with(const RoundedPlane& other) const {
+      return x == other.x && y == other.y && z == other.z && offset == other.offset;
     }
-  }
-  tbb::parallel_sort(edges);
+  };
+  const FacetFrame frame = facet_frame(facet_bounds(mesh));
+  std::vector<RoundedPlane> rounded(mesh.facet_count());
+  parallel_ranges(rounded.size(), facets_per_task, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
+      rounded[f].facet = static_cast<FacetId>(f);
+      if (degenerate[f]) continue;
+      glm::dvec3 corner[3];
+      for (int i = 0; i < 3; ++i) corner[i] = (glm::dvec3(mesh.corner(f, i)) - frame.origin) * frame.scale;
+      glm::dvec3 normal = glm::cross(corner[1] - corner[0], corner[2] - corner[0]);
+      normal /= glm::length(normal);
+      const bool flip = normal.x < 0 || (normal.x == 0 && (normal.y < 0 || (normal.y == 0 && normal.z < 0)));
+      const double scale = flip ? -0x1p30 : 0x1p30;
+      rounded[f] = {std::llround(scale * normal.x), std::llround(scale * normal.y), std::llround(scale * normal.z),
+                    std::llround(scale * glm::dot(normal, corner[0])), static_cast<FacetId>(f)};
+    }
+  });
+  tbb::parallel_sort(rounded);
   std::vector<FacetId> plane(mesh.facet_count());
   std::iota(plane.begin(), plane.end(), FacetId{0});
-  const auto root = [&](FacetId f) {
-    while (plane[f] != f) f = plane[f] = plane[plane[f]];
-    return f;
-  };
   const auto coplanar = [&](FacetId f, FacetId g) {
     for (int i = 0; i < 3; ++i) {
       if (orientation(mesh.corner(f, 0), mesh.corner(f, 1), mesh.corner(f, 2), mesh.corner(g, i)) != 0) return false;
     }
     return true;
   };
-  for (std::size_t i = 1; i < edges.size(); ++i) {
-    const HalfEdge &a = edges[i - 1], &b = edges[i];
-    if (a.lower != b.lower || a.upper != b.upper || !coplanar(a.facet, b.facet)) continue;
-    const FacetId f = root(a.facet), g = root(b.facet);
-    plane[std::max(f, g)] = std::min(f, g);
+  std::vector<FacetId> distinct;  // planes that round to the same
+  for (std::size_t i = 0; i < rounded.size(); ++i) {
+    const FacetId facet = rounded[i].facet;
+    if (degenerate[facet]) continue;
+    if (i == 0 || !rounded[i].agrees_with(rounded[i - 1])) distinct.clear();
+    const auto same = std::find_if(distinct.begin(), distinct.end(), [&](FacetId other) { return coplanar(other, facet); });
+    if (same != distinct.end()) {
+      plane[facet] = *same;
+    } else {
+      distinct.push_back(facet);
+    }
   }
-  for (FacetId f = 0; f < plane.size(); ++f) plane[f] = root(f);
   return plane;
 }
 
@@ -120,12 +130,13 @@ struct ExactSorter::State {
   State(const MeshView& mesh_in, const ExactOptions& options_in)
       : mesh(mesh_in),
         options(options_in),
-        space{mesh_in, identify_positions(mesh_in), {}},
+        space{mesh_in, identify_positions(mesh_in), {}, {}, {}},
         degenerate(find_degenerate(mesh_in)),
         points(with_planes()) {}
 
   const PointSpace& with_planes() {
-    space.plane_of_facet = find_planes(mesh, space.position_of_vertex, degenerate);
+    space.plane_of_facet = find_planes(mesh, degenerate);
+    space.find_facets_around();
     return space;
   }
 
@@ -139,9 +150,8 @@ struct ExactSorter::State {
   void finish_component(std::uint32_t element);
   void fill_in_cycles();
   bool comes_before(std::uint32_t a, std::uint32_t b) const;
-  bool parted_on_screen(std::uint32_t a, std::uint32_t b) const;
+  bool is_behind(std::uint32_t a, std::uint32_t b) const;
   SeenPart seen_part(std::uint32_t element) const;
-  bool may_hide(std::uint32_t a, std::uint32_t b) const;
   std::size_t most_triangles() const;
 
   MeshView mesh;
@@ -177,6 +187,7 @@ struct ExactSorter::State {
   std::vector<Visit> visits;
   std::vector<std::uint32_t> open;
   std::vector<std::uint32_t> edges;  // what is behind
+  std::vector<std::uint32_t> nearby;
   std::vector<std::pair<std::size_t, std::size_t>> edge_range;  // of visited elements, by number - first_number
   std::uint32_t first_number = 0;
 };
@@ -242,54 +253,19 @@ SeenPart ExactSorter::State::seen_part(std::uint32_t element) const {
   return {elements.facet[element], screen.facing(element), elements.corners(element)};
 }
 
-// A filter on the screen: whether an edge of a or b certainly has the other on its outer side.
-bool ExactSorter::State::parted_on_screen(std::uint32_t a, std::uint32_t b) const {
-  const auto edge_parts = [&](std::uint32_t of, std::uint32_t other) {
-    const auto slots = elements.slots(of), others = elements.slots(other);
-    const float inward = screen.facing(of) > 0 ? 1.0f : -1.0f;
-    for (std::size_t i = 0; i < slots.size(); ++i) {
-      const SeenPoint& p = screen.seen(slots[i]);
-      const SeenPoint& q = screen.seen(slots[i + 1 == slots.size() ? 0 : i + 1]);
-      const float ex = q.x - p.x, ey = q.y - p.y;
-      bool outside = true;
-      for (const std::uint32_t slot : others) {
-        const SeenPoint& r = screen.seen(slot);
-        const float rx = r.x - p.x, ry = r.y - p.y;
-        // Each difference is off by up to 2 roundings of the coordinates, and then its own.
-        const float bound = 4 * screen.rounding() * (std::abs(ex) + std::abs(ey) + std::abs(rx) + std::abs(ry) +
-                                                     4 * screen.rounding());
-        // The screen is seen with y down: counter-clockwise facets turn clockwise on it, and have their inside where
-        // this is negative.
-        if (!(inward * (ex * ry - ey * rx) > bound)) {
-          outside = false;
-          break;
-        }
-      }
-      if (outside) return true;
-    }
-    return false;
-  };
-  return edge_parts(a, b) || edge_parts(b, a);
-}
-
-// Quick reasons why neither of two elements with overlapping boxes can hide the other.
-bool ExactSorter::State::may_hide(std::uint32_t a, std::uint32_t b) const {
+// Whether a is behind b. Exact; the filter decides nearly all.
+bool ExactSorter::State::is_behind(std::uint32_t a, std::uint32_t b) const {
   if (elements.facet[a] == elements.facet[b]) return false;
-  const auto a_slots = elements.slots(a), b_slots = elements.slots(b);
-  int shared = 0;
-  for (const std::uint32_t slot : a_slots) {
-    for (const std::uint32_t other : b_slots) {
-      if (slot != other) continue;
-      ++shared;
-      if (screen.is_flat_fan(slot)) return false;
-    }
-  }
-  return shared > 0 || screen.viewpoint().surrounded || !parted_on_screen(a, b);
+  const Seen seen = screen.compare(elements, a, b);
+  if (seen.overlap == Seen::apart || seen.behind < 0) return false;
+  if (seen.overlap == Seen::overlapping && seen.behind > 0) return true;
+  return hiding(points, screen.viewpoint(), seen_part(a), seen_part(b)) == Hiding::first_behind_second;
 }
 
 void ExactSorter::State::find_broken() {
   struct Found {
     std::vector<Broken> broken;
+    std::vector<ElementPair> pairs;
     std::size_t candidates = 0;
     unsigned long long fallbacks = 0;
   };
@@ -299,14 +275,13 @@ void ExactSorter::State::find_broken() {
     Found& mine = found.local();
     const unsigned long long fallbacks = exact_fallbacks();
     for (std::size_t leaf = range.begin(); leaf < range.end(); ++leaf) {
-      screen.for_each_pair_of_leaf(leaf, [&](std::uint32_t a, std::uint32_t b) {
-        ++mine.candidates;
-        if (!may_hide(a, b)) return;
-        const Hiding relation = hiding(points, screen.viewpoint(), seen_part(a), seen_part(b));
-        if (relation == Hiding::none) return;
-        const bool a_behind = relation == Hiding::first_behind_second;
-        if (comes_before(a, b) != a_behind) mine.broken.push_back(a_behind ? Broken{b, a} : Broken{a, b});
-      });
+      mine.pairs.clear();
+      mine.candidates += screen.pairs_of_leaf(elements, leaf, mine.pairs);
+      for (const auto& [a, b] : mine.pairs) {
+        const bool a_first = comes_before(a, b);
+        const std::uint32_t before = a_first ? a : b, behind = a_first ? b : a;
+        if (is_behind(behind, before)) mine.broken.push_back({before, behind});
+      }
     }
     mine.fallbacks += exact_fallbacks() - fallbacks;
   });
@@ -336,13 +311,12 @@ void ExactSorter::State::edges_of(std::uint32_t element, std::uint32_t root) {
     ScreenBox box = screen.box(element);
     box.lowest[3] = keys[elements.draw_id[element]];
     box.highest[3] = keys[elements.draw_id[root]];
-    screen.for_each_overlapping(box, [&](std::uint32_t other) {
-      if (other == element || drawn[other] || !comes_before(other, element)) return;
-      if (!may_hide(other, element)) return;
-      if (hiding(points, screen.viewpoint(), seen_part(other), seen_part(element)) == Hiding::first_behind_second) {
-        edges.push_back(other);
-      }
-    });
+    nearby.clear();
+    screen.overlapping(box, nearby);
+    for (const std::uint32_t other : nearby) {
+      if (drawn[other] || !comes_before(other, element)) continue;
+      if (is_behind(other, element)) edges.push_back(other);
+    }
   }
   std::sort(edges.begin() + static_cast<std::ptrdiff_t>(begin), edges.end(),
             [&](std::uint32_t a, std::uint32_t b) { return comes_before(a, b); });
@@ -559,7 +533,7 @@ std::size_t ExactSorter::memory_bytes() const {
     return ((vectors.capacity() * sizeof(typename std::decay_t<decltype(vectors)>::value_type)) + ...);
   };
   return state.bytes_held() + state.screen.memory_bytes() + state.key_sort.memory_bytes() +
-         bytes(state.keys, state.broken, state.order, state.filled_order, state.visits, state.open, state.edges,
+         bytes(state.keys, state.broken, state.order, state.filled_order, state.visits, state.open, state.edges, state.nearby,
                state.edge_range);
 }
 

@@ -223,6 +223,19 @@ bool rounds_one_way(double value, double error) {
 
 }  // namespace
 
+void PointSpace::find_facets_around() {
+  around_begin.assign(mesh.vertex_count() + 1, 0);
+  for (const glm::uvec3& t : mesh.triangles) {
+    for (int i = 0; i < 3; ++i) ++around_begin[position_of_vertex[t[i]] + 1];
+  }
+  for (std::size_t v = 0; v < mesh.vertex_count(); ++v) around_begin[v + 1] += around_begin[v];
+  around.resize(3 * mesh.facet_count());
+  std::vector<std::uint32_t> next(around_begin.begin(), around_begin.end() - 1);
+  for (FacetId f = 0; f < mesh.facet_count(); ++f) {
+    for (int i = 0; i < 3; ++i) around[next[corner(f, i)]++] = f;
+  }
+}
+
 PointId Points::add(const PointDefinition& definition) {
   // A double in error by more than this, over its largest coordinate, is no use in a filter.
   constexpr double largest_error = 0x1p-44;
@@ -246,17 +259,23 @@ glm::vec3 Points::rounded(PointId point) const {
   return exact_position(coordinates_of(*this, point));
 }
 
-bool Points::defines_plane(PointId vertex, PlaneId plane) const {
+// A vertex of the plane, or of a facet in it.
+bool Points::known_vertex_in_plane(PointId vertex, PlaneId plane) const {
   const glm::uvec3 v = plane_vertices(plane);
   const std::vector<PointId>& position = space_->position_of_vertex;
-  return position[v.x] == vertex || position[v.y] == vertex || position[v.z] == vertex;
+  if (position[v.x] == vertex || position[v.y] == vertex || position[v.z] == vertex) return true;
+  const PlaneId same = same_plane(plane);
+  for (std::uint32_t i = space_->around_begin[vertex]; i < space_->around_begin[vertex + 1]; ++i) {
+    if (space_->plane_of_facet[space_->around[i]] == same) return true;
+  }
+  return false;
 }
 
 bool Points::known_in_plane(PointId point, PlaneId plane) const {
-  if (is_vertex(point)) return defines_plane(point, plane);
+  if (is_vertex(point)) return known_vertex_in_plane(point, plane);
   const PointDefinition& d = definition(point);
   if (same_plane(d.c) == same_plane(plane)) return true;
-  if (d.kind == PointDefinition::edge_and_plane) return defines_plane(d.a, plane) && defines_plane(d.b, plane);
+  if (d.kind == PointDefinition::edge_and_plane) return known_vertex_in_plane(d.a, plane) && known_vertex_in_plane(d.b, plane);
   return same_plane(d.a) == same_plane(plane) || same_plane(d.b) == same_plane(plane);
 }
 
@@ -326,13 +345,12 @@ int Points::turn(PointId a, PointId b, PointId c, const Eye& eye) const {
 }
 
 int Points::side(PlaneId plane, PointId point) const {
-  if (known_in_plane(point, plane)) return 0;
   const auto [a, b, c] = corners_of(*this, plane);
-  if (is_vertex(point)) return facetsort::orientation(a, b, c, space_->position(point));
   const glm::dvec3 origin(a);
   const Bounded value = bounded_determinant(glm::dvec3(b) - origin, 0, glm::dvec3(c) - origin, 0,
                                             position(point) - origin, error(point));
   if (std::abs(value.value) > value.error) return sign(value.value);
+  if (known_in_plane(point, plane)) return 0;
   const glm::uvec3 v = plane_vertices(plane);
   return orientation(v.x, v.y, v.z, point);
 }

@@ -38,6 +38,10 @@ struct PointSpace {
   MeshView mesh;
   std::vector<PointId> position_of_vertex;  // the smallest vertex at the same position
   std::vector<FacetId> plane_of_facet;      // the smallest facet known to lie in the same plane
+  std::vector<std::uint32_t> around_begin;  // vertex: its facets in `around`, by position
+  std::vector<FacetId> around;
+
+  void find_facets_around();
 
   glm::vec3 position(PointId vertex) const { return mesh.positions[vertex]; }
   PointId corner(FacetId facet, int i) const { return position_of_vertex[mesh.triangles[facet][i]]; }
@@ -105,7 +109,7 @@ class Points {
   };
 
   const Made& made(PointId point) const { return point < first_ ? base_->made(point) : made_[point - first_]; }
-  bool defines_plane(PointId vertex, PlaneId plane) const;
+  bool known_vertex_in_plane(PointId vertex, PlaneId plane) const;
   bool known_in_plane(PointId point, PlaneId plane) const;
   bool known_collinear(PointId a, PointId b, PointId c) const;
 

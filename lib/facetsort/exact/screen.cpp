@@ -21,6 +21,11 @@ constexpr double float_rounding = 0x1p-23;
 constexpr double nearest_squared = 0x1p-48;
 constexpr float unknown_direction = 4;
 
+// On the screen all of the mesh, which is about 1 in size, lies within 75 degrees of the axis and no nearer to the eye's
+// plane than this; coordinates, in units of the eye's distance, are then at most 16.
+constexpr double nearest_depth = 0x1p-6;
+constexpr double largest_coordinate = 16;
+
 double sum_of_magnitudes(const glm::dvec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); }
 
 int eye_side(const Points& points, const FilteredPlane& plane, FacetId facet, const Eye& eye) {
@@ -41,13 +46,6 @@ glm::dvec3 across(const glm::dvec3& axis) {
 
 }  // namespace
 
-ScreenBox Screen::everywhere() {
-  ScreenBox box;
-  box.lowest.fill(-std::numeric_limits<float>::max());
-  box.highest.fill(std::numeric_limits<float>::max());
-  return box;
-}
-
 void Screen::choose_projection(const Elements& elements, const Eye& eye) {
   perspective_ = eye.w != 0;
   viewpoint_ = {eye, false};
@@ -58,13 +56,13 @@ void Screen::choose_projection(const Elements& elements, const Eye& eye) {
   } else {
     eye_ = (glm::dvec3(eye) - elements.frame.origin) * elements.frame.scale;
     const double distance = glm::length(eye_);
-    // On the screen if all of the mesh lies within 75 degrees of the axis.
-    const double widest = 0.25;
+    const double widest = 0.25;  // the cosine of 75 degrees
     forward_ = distance > 0 ? -eye_ / distance : glm::dvec3(0, 0, -1);
     for (int corner = 0; corner < 8; ++corner) {
       const glm::dvec3 p = elements.extent * glm::dvec3(corner & 1 ? 1 : -1, corner & 2 ? 1 : -1, corner & 4 ? 1 : -1);
       const glm::dvec3 q = p - eye_;
-      if (!(glm::dot(forward_, q) > widest * glm::length(q))) viewpoint_.surrounded = true;
+      const double depth = glm::dot(forward_, q);
+      if (!(depth > widest * glm::length(q)) || !(depth > nearest_depth)) viewpoint_.surrounded = true;
     }
   }
   right_ = across(forward_);
@@ -74,21 +72,28 @@ void Screen::choose_projection(const Elements& elements, const Eye& eye) {
 void Screen::see_points(const Elements& elements) {
   seen_.resize(elements.slot_position.size());
   const double distance = glm::length(eye_);
+  const double unit = std::max(distance, 1.0);  // so that a far eye's screen is about as large as the mesh
+  const double nearest_known =
+      std::max(nearest_squared * (1 + glm::dot(elements.extent, elements.extent)),
+               0x1p+46 * elements.largest_error * elements.largest_error);
+  screen_points_.resize(viewpoint_.surrounded ? 0 : seen_.size());
   parallel_ranges(seen_.size(), slots_per_task, [&](std::size_t begin, std::size_t end) {
     for (std::size_t slot = begin; slot < end; ++slot) {
       const glm::dvec3 p = elements.slot_position[slot];
       if (viewpoint_.surrounded) {
         const glm::dvec3 q = p - eye_;
         const double squared = glm::dot(q, q);
-        const bool known = squared > nearest_squared * (1 + glm::dot(elements.extent, elements.extent));
+        const bool known = squared > nearest_known;
         const glm::vec3 direction(known ? q / std::sqrt(squared) : glm::dvec3(unknown_direction));
         seen_[slot] = {direction.x, direction.y, direction.z, static_cast<float>(squared)};
       } else {
         // The eye is left out where right and down are across the axis through it: far eyes cost no digits.
         const double depth = glm::dot(forward_, p);
-        const double scale = perspective_ ? 1 / (depth + distance) : 1.0;
-        seen_[slot] = {static_cast<float>(glm::dot(right_, p) * scale), static_cast<float>(glm::dot(down_, p) * scale),
-                       0, static_cast<float>(depth)};
+        const double scale = perspective_ ? unit / (depth + distance) : 1.0;
+        const double x = glm::dot(right_, p) * scale, y = glm::dot(down_, p) * scale;
+        seen_[slot] = {static_cast<float>(x), static_cast<float>(y), 0, static_cast<float>(depth)};
+        // For a far eye reciprocal depths are all alike: relative to that of the centre, times the distance.
+        screen_points_[slot] = {x, y, perspective_ ? -depth * scale : -depth};
       }
     }
   });
@@ -102,8 +107,10 @@ void Screen::place_elements(const Points& points, const Elements& elements, std:
   levels_.resize(std::max<std::size_t>(levels_.size(), 1));
   levels_[0].resize(blocks);
   const bool surrounded = viewpoint_.surrounded;
-  const float screen_margin = rounding_;
-  const auto depth_rounding = static_cast<float>(4 * float_rounding * sum_of_magnitudes(elements.extent));
+  const auto screen_margin =
+      static_cast<float>(float_rounding * (surrounded ? 1 : largest_coordinate) + rounding_);
+  const auto depth_rounding =
+      static_cast<float>(4 * float_rounding * sum_of_magnitudes(elements.extent) + 4 * elements.largest_error);
   parallel_ranges(blocks, blocks_per_task, [&](std::size_t first, std::size_t last) {
     for (std::size_t block = first; block < last; ++block) {
       BoxBlock& boxes = levels_[0][block];
@@ -220,21 +227,91 @@ void Screen::find_flat_fans(const Elements& elements) {
 void Screen::look(const Points& points, const Elements& elements, const Eye& eye, std::vector<float>& keys) {
   choose_projection(elements, eye);
   see_points(elements);
-  double largest = 1;
-  if (!viewpoint_.surrounded) {
-    largest = 0;
-    for (const SeenPoint& p : seen_) {
-      largest = std::max({largest, static_cast<double>(std::abs(p.x)), static_cast<double>(std::abs(p.y))});
-    }
-  }
-  rounding_ = static_cast<float>(2 * float_rounding * largest);
+  // Depths are off by some 2^-49 and the error of constructed points; over the nearest depth, times a coordinate.
+  rounding_ = largest_coordinate / nearest_depth * (0x1p-48 + 2 * elements.largest_error);
   place_elements(points, elements, keys);
   bound_levels();
   find_flat_fans(elements);
 }
 
+namespace {
+
+double magnitude(double x, double y) { return std::abs(x) + std::abs(y); }
+double magnitude(const glm::dvec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); }
+
+enum class Edges { part, do_not_part, unsure };
+
+}  // namespace
+
+Seen Screen::compare(const Elements& elements, std::uint32_t a, std::uint32_t b) const {
+  if (viewpoint_.surrounded) return {Seen::either, 0};
+  const auto a_slots = elements.slots(a), b_slots = elements.slots(b);
+  const double error = 4 * rounding_;  // of a difference of coordinates, with its own rounding
+
+  // Whether some edge of one has all of the other on its outer side. Corners that they share lie on the edge.
+  const auto edges_part = [&](std::span<const std::uint32_t> slots, int facing, std::span<const std::uint32_t> others) {
+    Edges result = Edges::do_not_part;
+    for (std::size_t i = 0; i < slots.size(); ++i) {
+      const std::uint32_t from = slots[i], to = slots[i + 1 == slots.size() ? 0 : i + 1];
+      const ScreenPoint &p = screen_points_[from], &q = screen_points_[to];
+      // The screen's y points down: facets that are seen counter-clockwise turn clockwise there.
+      const double ex = facing * (q.x - p.x), ey = facing * (q.y - p.y);
+      const double edge = magnitude(ex, ey);
+      bool certain = true, inside = false;
+      for (const std::uint32_t slot : others) {
+        if (slot == from || slot == to) continue;
+        const double rx = screen_points_[slot].x - p.x, ry = screen_points_[slot].y - p.y;
+        const double outward = ex * ry - ey * rx, bound = error * (edge + magnitude(rx, ry) + error);
+        if (outward < -bound) {
+          inside = true;
+          break;
+        }
+        certain = certain && outward > bound;
+      }
+      if (inside) continue;
+      if (certain) return Edges::part;
+      result = Edges::unsure;
+    }
+    return result;
+  };
+  const Edges by_a = edges_part(a_slots, facing_[a], b_slots);
+  if (by_a == Edges::part) return {Seen::apart, 0};
+  const Edges by_b = edges_part(b_slots, facing_[b], a_slots);
+  if (by_b == Edges::part) return {Seen::apart, 0};
+  const bool sure = by_a == Edges::do_not_part && by_b == Edges::do_not_part;
+  const Seen::Overlap overlap = sure ? Seen::overlapping : Seen::either;
+
+  // +1: all corners of the other are certainly nearer than the plane, or shared; -1: all farther; 0: neither.
+  const auto side = [&](std::span<const std::uint32_t> slots, int facing, std::span<const std::uint32_t> others) {
+    const auto at = [&](std::uint32_t slot) {
+      const ScreenPoint& p = screen_points_[slot];
+      return glm::dvec3(p.x, p.y, p.nearness);
+    };
+    const std::size_t count = slots.size();
+    const glm::dvec3 origin = at(slots[0]);
+    const glm::dvec3 u = at(slots[count / 3]) - origin, v = at(slots[2 * count / 3]) - origin;
+    const glm::dvec3 normal = static_cast<double>(-facing) * glm::cross(u, v);
+    const double su = magnitude(u) + error, sv = magnitude(v) + error;
+    bool nearer = true, farther = true;
+    for (const std::uint32_t slot : others) {
+      if (std::find(slots.begin(), slots.end(), slot) != slots.end()) continue;
+      const glm::dvec3 w = at(slot) - origin;
+      const double sw = magnitude(w) + error;
+      const double value = glm::dot(normal, w), bound = 2 * error * (su * sv + (su + sv) * sw) + 0x1p-48 * su * sv * sw;
+      nearer = nearer && value > bound;
+      farther = farther && value < -bound;
+      if (!nearer && !farther) return 0;
+    }
+    return nearer == farther ? 0 : nearer ? 1 : -1;
+  };
+  const int b_side = side(a_slots, facing_[a], b_slots);
+  if (b_side != 0) return {overlap, b_side};
+  return {overlap, -side(b_slots, facing_[b], a_slots)};
+}
+
 std::size_t Screen::memory_bytes() const {
-  std::size_t bytes = seen_.capacity() * sizeof(SeenPoint) + facing_.capacity() + flat_fan_.capacity();
+  std::size_t bytes = seen_.capacity() * sizeof(SeenPoint) + facing_.capacity() + flat_fan_.capacity() +
+                      screen_points_.capacity() * sizeof(ScreenPoint);
   for (const std::vector<BoxBlock>& level : levels_) bytes += level.capacity() * sizeof(BoxBlock);
   return bytes;
 }
