@@ -150,8 +150,8 @@ class Builder {
     e.slot_blocks.resize((count + BoxBlock::size - 1) / BoxBlock::size);
     for (std::uint32_t i = 0; i < e.slot_blocks.size() * BoxBlock::size; ++i) {
       for (std::size_t k = 0; k < 3; ++k) {
-        const bool is_whole = i < count && e.draw_id[i] < facets();
-        e.slot_blocks[i / BoxBlock::size].slot[k][i % BoxBlock::size] = is_whole ? e.slots(i)[k] : no_element;
+        e.slot_blocks[i / BoxBlock::size].slot[k][i % BoxBlock::size] =
+            i < count && e.is_whole(i) ? e.slots(i)[k] : SlotBlock::no_slot;
       }
     }
     e.slot_position.resize(e.slot_point.size());
@@ -195,6 +195,8 @@ class Builder {
                                      std::span(around).subspan(begin[slot], begin[slot + 1] - begin[slot]));
       }
     });
+    const auto fans = static_cast<std::size_t>(std::count(simple.begin(), simple.end(), 1));
+    e.tangled = 4 * fans < 3 * slots || 50 * pieces_.parts.size() > e.count();
     e.fan_begin.assign(1, 0);
     for (std::size_t slot = 0; slot < slots; ++slot) {
       if (simple[slot]) {

@@ -34,6 +34,7 @@ struct Elements {
   std::span<const std::uint32_t> slots(std::uint32_t element) const {
     return std::span(corner_slot).subspan(first_corner[element], first_corner[element + 1] - first_corner[element]);
   }
+  bool is_whole(std::size_t element) const { return draw_id[element] == facet[element]; }
   std::size_t memory_bytes() const;
 
   FacetFrame frame;
@@ -48,7 +49,11 @@ struct Elements {
   std::vector<std::uint32_t> first_corner;  // count() + 1
   std::vector<PointId> corner_point;
   std::vector<std::uint32_t> corner_slot;
-  std::vector<SlotBlock> slot_blocks;       // of whole facets; no_element for the corners of pieces
+
+  std::vector<SlotBlock> slot_blocks;
+  // Whether so many elements are pieces, or lie around vertices that are no simple fans, that there will be many pairs
+  // to compare.
+  bool tangled = false;
 
   std::vector<PointId> slot_point;
   std::vector<glm::dvec3> slot_position;  // in the frame

@@ -150,7 +150,7 @@ struct ExactSorter::State {
   void finish_component(std::uint32_t element);
   void fill_in_cycles();
   bool comes_before(std::uint32_t a, std::uint32_t b) const;
-  bool is_behind(std::uint32_t a, std::uint32_t b) const;
+  bool is_behind(const ElementPair& pair, bool first) const;
   SeenPart seen_part(std::uint32_t element) const;
   std::size_t most_triangles() const;
 
@@ -187,7 +187,7 @@ struct ExactSorter::State {
   std::vector<Visit> visits;
   std::vector<std::uint32_t> open;
   std::vector<std::uint32_t> edges;  // what is behind
-  std::vector<std::uint32_t> nearby;
+  std::vector<ElementPair> nearby;
   std::vector<std::pair<std::size_t, std::size_t>> edge_range;  // of visited elements, by number - first_number
   std::uint32_t first_number = 0;
 };
@@ -253,13 +253,16 @@ SeenPart ExactSorter::State::seen_part(std::uint32_t element) const {
   return {elements.facet[element], screen.facing(element), elements.corners(element)};
 }
 
-// Whether a is behind b. Exact; the filter decides nearly all.
-bool ExactSorter::State::is_behind(std::uint32_t a, std::uint32_t b) const {
-  if (elements.facet[a] == elements.facet[b]) return false;
-  const Seen seen = screen.compare(elements, a, b);
-  if (seen.overlap == Seen::apart || seen.behind < 0) return false;
-  if (seen.overlap == Seen::overlapping && seen.behind > 0) return true;
-  return hiding(points, screen.viewpoint(), seen_part(a), seen_part(b)) == Hiding::first_behind_second;
+// Whether the first (or else the second) of a pair is behind the other. Exact; the filter decides nearly all.
+bool ExactSorter::State::is_behind(const ElementPair& pair, bool first) const {
+  if (elements.facet[pair.a] == elements.facet[pair.b]) return false;
+  Seen seen = pair.seen;
+  if (seen.overlap == Seen::not_compared) seen = screen.compare(elements, pair.a, pair.b);
+  const int sign = first ? 1 : -1;
+  if (seen.overlap == Seen::apart || seen.behind == -sign) return false;
+  if (seen.overlap == Seen::overlapping && seen.behind == sign) return true;
+  return hiding(points, screen.viewpoint(), seen_part(pair.a), seen_part(pair.b)) ==
+         (first ? Hiding::first_behind_second : Hiding::second_behind_first);
 }
 
 void ExactSorter::State::find_broken() {
@@ -270,17 +273,18 @@ void ExactSorter::State::find_broken() {
     unsigned long long fallbacks = 0;
   };
   tbb::combinable<Found> found;
+  const Screenful screenful = screen.screenful(elements);
   tbb::parallel_for(tbb::blocked_range<std::size_t>(0, screen.leaves(), leaves_per_task),
                     [&](const tbb::blocked_range<std::size_t>& range) {
     Found& mine = found.local();
     const unsigned long long fallbacks = exact_fallbacks();
     for (std::size_t leaf = range.begin(); leaf < range.end(); ++leaf) {
       mine.pairs.clear();
-      mine.candidates += screen.pairs_of_leaf(elements, leaf, mine.pairs);
-      for (const auto& [a, b] : mine.pairs) {
-        const bool a_first = comes_before(a, b);
-        const std::uint32_t before = a_first ? a : b, behind = a_first ? b : a;
-        if (is_behind(behind, before)) mine.broken.push_back({before, behind});
+      mine.candidates += collect_pairs(screenful, leaf, mine.pairs);
+      for (const ElementPair& pair : mine.pairs) {
+        const bool a_first = comes_before(pair.a, pair.b);
+        if (!is_behind(pair, !a_first)) continue;
+        mine.broken.push_back(a_first ? Broken{pair.a, pair.b} : Broken{pair.b, pair.a});
       }
     }
     mine.fallbacks += exact_fallbacks() - fallbacks;
@@ -312,10 +316,9 @@ void ExactSorter::State::edges_of(std::uint32_t element, std::uint32_t root) {
     box.lowest[3] = keys[elements.draw_id[element]];
     box.highest[3] = keys[elements.draw_id[root]];
     nearby.clear();
-    screen.overlapping(box, nearby);
-    for (const std::uint32_t other : nearby) {
-      if (drawn[other] || !comes_before(other, element)) continue;
-      if (is_behind(other, element)) edges.push_back(other);
+    collect_overlapping(screen.screenful(elements), element, box, drawn, nearby);
+    for (const ElementPair& pair : nearby) {
+      if (comes_before(pair.b, element) && is_behind(pair, false)) edges.push_back(pair.b);
     }
   }
   std::sort(edges.begin() + static_cast<std::ptrdiff_t>(begin), edges.end(),

@@ -30,25 +30,55 @@ struct alignas(64) BoxBlock {
   }
 };
 
-// The corners of eight triangles, by slot.
+// The slots of the corners of eight triangles; no_slot where there is a polygon, or nothing.
 struct alignas(32) SlotBlock {
+  static constexpr std::uint32_t no_slot = 0xffffffffu;
+
   std::uint32_t slot[3][BoxBlock::size];
+};
+
+// The corners of eight triangles as they are seen. Lanes that hold no triangle, but a polygon or nothing, have slot no_slot.
+struct alignas(64) TriangleBlock {
+  static constexpr double no_slot = -1;
+
+  double slot[3][BoxBlock::size];
+  // On the screen, y down, and nearness (see ScreenPoint).
+  double x[3][BoxBlock::size], y[3][BoxBlock::size], nearness[3][BoxBlock::size];
+  double facing[BoxBlock::size];
 };
 
 // levels[0]: boxes of elements; levels[k]: boxes of the blocks of levels[k - 1]; the last is one block.
 using BoxLevels = std::span<const std::vector<BoxBlock>>;
 
-struct ElementPair {
-  std::uint32_t a, b;
+// What a filter in double can tell of two elements.
+struct Seen {
+  enum Overlap : std::uint8_t { apart, overlapping, either, not_compared } overlap;
+  // Which is behind the other if they overlap: +1 the first, -1 the second, 0 can't tell.
+  std::int8_t behind;
 };
 
-// Appends the pairs of elements whose boxes overlap, a in block `leaf` of levels[0] and b after a, but those that share
-// a slot s with flat_fan[s] != 0. `slots`: the corners of each block's elements; no_element stands for none. Returns how
-// many pairs overlap, left out ones included.
-std::size_t collect_pairs(BoxLevels levels, std::span<const SlotBlock> slots, std::span<const unsigned char> flat_fan,
-                          std::size_t leaf, std::vector<ElementPair>& pairs);
+struct ElementPair {
+  std::uint32_t a, b;
+  Seen seen;
+};
 
-// Appends the elements whose boxes overlap `box`.
-void collect_overlapping(BoxLevels levels, const ScreenBox& box, std::vector<std::uint32_t>& elements);
+// What the search reads. Blocks of elements: boxes.front() and triangles.
+struct Screenful {
+  BoxLevels boxes;
+  std::span<const SlotBlock> slots;
+  std::span<const TriangleBlock> triangles;  // none: all pairs are not_compared
+  std::span<const unsigned char> flat_fan;  // by slot
+  double rounding;                          // of the coordinates of triangles
+};
+
+// Appends the pairs of elements whose boxes overlap, a in block `leaf` and b after a, but those that share a slot of a
+// flat fan and those that are certainly apart on the screen. Pairs with a polygon are not_compared. Returns how many
+// boxes overlap, pairs left out included.
+std::size_t collect_pairs(const Screenful& screen, std::size_t leaf, std::vector<ElementPair>& pairs);
+
+// Appends the pairs of `element` with those whose boxes overlap `box`, but those certainly apart, and those for which
+// skip[element] != 0.
+void collect_overlapping(const Screenful& screen, std::uint32_t element, const ScreenBox& box,
+                         std::span<const unsigned char> skip, std::vector<ElementPair>& pairs);
 
 }  // namespace facetsort::exact_internal

@@ -106,6 +106,7 @@ void Screen::place_elements(const Points& points, const Elements& elements, std:
   const std::size_t blocks = (count + BoxBlock::size - 1) / BoxBlock::size;
   levels_.resize(std::max<std::size_t>(levels_.size(), 1));
   levels_[0].resize(blocks);
+  triangles_.resize(elements.tangled && !viewpoint_.surrounded ? blocks : 0);
   const bool surrounded = viewpoint_.surrounded;
   const auto screen_margin =
       static_cast<float>(float_rounding * (surrounded ? 1 : largest_coordinate) + rounding_);
@@ -154,9 +155,30 @@ void Screen::place_elements(const Points& points, const Elements& elements, std:
           boxes.lowest[d][lane] = lowest[d];
           boxes.highest[d][lane] = highest[d];
         }
+        if (!triangles_.empty()) place_triangle(elements, i, triangles_[block], lane);
       }
     }
   });
+}
+
+void Screen::place_triangle(const Elements& elements, std::size_t i, TriangleBlock& block, std::size_t lane) const {
+  if (i >= elements.count() || !elements.is_whole(i)) {
+    for (int k = 0; k < 3; ++k) {
+      block.slot[k][lane] = TriangleBlock::no_slot;
+      block.x[k][lane] = block.y[k][lane] = block.nearness[k][lane] = 0;
+    }
+    block.facing[lane] = 0;
+    return;
+  }
+  const auto slots = elements.slots(static_cast<std::uint32_t>(i));
+  for (std::size_t k = 0; k < 3; ++k) {
+    block.slot[k][lane] = slots[k];
+    const ScreenPoint& p = screen_points_[slots[k]];
+    block.x[k][lane] = p.x;
+    block.y[k][lane] = p.y;
+    block.nearness[k][lane] = p.nearness;
+  }
+  block.facing[lane] = facing_[i];
 }
 
 // A spherical triangle bulges beyond its corners' box: a point of the flat triangle between directions whose chords are
@@ -305,13 +327,14 @@ Seen Screen::compare(const Elements& elements, std::uint32_t a, std::uint32_t b)
     return nearer == farther ? 0 : nearer ? 1 : -1;
   };
   const int b_side = side(a_slots, facing_[a], b_slots);
-  if (b_side != 0) return {overlap, b_side};
-  return {overlap, -side(b_slots, facing_[b], a_slots)};
+  if (b_side != 0) return {overlap, static_cast<std::int8_t>(b_side)};
+  return {overlap, static_cast<std::int8_t>(-side(b_slots, facing_[b], a_slots))};
 }
 
 std::size_t Screen::memory_bytes() const {
   std::size_t bytes = seen_.capacity() * sizeof(SeenPoint) + facing_.capacity() + flat_fan_.capacity() +
-                      screen_points_.capacity() * sizeof(ScreenPoint);
+                      screen_points_.capacity() * sizeof(ScreenPoint) +
+                      triangles_.capacity() * sizeof(TriangleBlock);
   for (const std::vector<BoxBlock>& level : levels_) bytes += level.capacity() * sizeof(BoxBlock);
   return bytes;
 }

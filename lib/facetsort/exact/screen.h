@@ -26,13 +26,6 @@ struct ScreenPoint {
   double x, y, nearness;
 };
 
-// What a filter in double can tell of two elements.
-struct Seen {
-  enum Overlap { apart, overlapping, either } overlap;
-  // Which is behind the other if they overlap: +1 the first, -1 the second, 0 can't tell.
-  int behind;
-};
-
 class Screen {
  public:
   // Places all elements; `keys` gets the depth of each by draw id, larger is farther, within the element's depth range.
@@ -48,16 +41,11 @@ class Screen {
     return levels_[0][element / BoxBlock::size].box(element % BoxBlock::size);
   }
 
-  // Elements come in leaves of eight; the pairs of all leaves are all pairs that may hide one another.
+  // Elements come in leaves of eight.
   std::size_t leaves() const { return levels_[0].size(); }
-  // Appends the pairs with the first of the two in the leaf, but those around a vertex that faces one way (see
-  // Elements): they do not overlap. Returns how many boxes overlap.
-  std::size_t pairs_of_leaf(const Elements& elements, std::size_t leaf, std::vector<ElementPair>& pairs) const {
-    return collect_pairs(levels_, elements.slot_blocks, flat_fan_, leaf, pairs);
-  }
-  // Appends the elements whose boxes overlap `box`.
-  void overlapping(const ScreenBox& box, std::vector<std::uint32_t>& elements) const {
-    collect_overlapping(levels_, box, elements);
+  // For collect_pairs() and collect_overlapping().
+  Screenful screenful(const Elements& elements) const {
+    return {levels_, elements.slot_blocks, triangles_, flat_fan_, rounding_};
   }
 
   std::size_t memory_bytes() const;
@@ -66,6 +54,7 @@ class Screen {
   void choose_projection(const Elements& elements, const Eye& eye);
   void see_points(const Elements& elements);
   void place_elements(const Points& points, const Elements& elements, std::vector<float>& keys);
+  void place_triangle(const Elements& elements, std::size_t i, TriangleBlock& block, std::size_t lane) const;
   void bound_levels();
   void bound_on_sphere(const Elements& elements, std::uint32_t element, float (&lowest)[box_dimensions],
                        float (&highest)[box_dimensions]) const;
@@ -80,6 +69,7 @@ class Screen {
   std::vector<ScreenPoint> screen_points_;
   std::vector<std::int8_t> facing_;
   std::vector<unsigned char> flat_fan_;
+  std::vector<TriangleBlock> triangles_;
   std::vector<std::vector<BoxBlock>> levels_;  // [0]: elements; [k]: blocks of [k - 1]
 };
 
