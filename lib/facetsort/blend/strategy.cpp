@@ -231,6 +231,11 @@ std::size_t StrategyRenderer::prepared_bytes() const {
   return state_->sorter ? state_->sorter->prepared_bytes() : 0;
 }
 
+std::optional<ExactStatistics> StrategyRenderer::exact_statistics() const {
+  if (!state_->exact_sorter) return std::nullopt;
+  return state_->exact_sorter->statistics();
+}
+
 void blend_lists(const MeshView& mesh, const View& view, const FragmentLists& lists, PixelFormat format,
                  Image& image) {
   resize_image(view, format, image);

@@ -13,6 +13,7 @@
 #include "facetsort/blend/image.h"
 #include "facetsort/blend/rasteriser.h"
 #include "facetsort/blend/view.h"
+#include "facetsort/exact/exact_sorter.h"
 #include "facetsort/mesh/mesh_view.h"
 #include "facetsort/order/method.h"
 #include "facetsort/order/sorter.h"
@@ -75,6 +76,8 @@ class StrategyRenderer {
   std::size_t pieces() const;          // whole facets, and pieces of the others, for the last order()
   std::size_t triangles() const;       // that those are as plain triangles; counting them takes time where some are cut
   std::size_t prepared_bytes() const;  // held beyond the mesh, made at construction
+  // Of the exact order, for the last order(); none of other strategies.
+  std::optional<ExactStatistics> exact_statistics() const;
 
  private:
   struct State;

@@ -557,6 +557,7 @@ struct CutFacet {
   std::optional<Points> points;
   PartList pieces;
   std::size_t cuts = 0;
+  std::size_t new_corners = 0;
 };
 
 CutFacet cut_facet(const Points& mesh_points, std::span<const Task> tasks) {
@@ -570,6 +571,7 @@ CutFacet cut_facet(const Points& mesh_points, std::span<const Task> tasks) {
   }
   cutter.cut();
   result.cuts = cutter.cuts();
+  result.new_corners = count_new_corners(*result.points, result.pieces, mesh_points.size());
   return result;
 }
 
@@ -657,8 +659,8 @@ PartedFacets part_crossing_facets(Points& points, const std::vector<unsigned cha
       }
     });
     for (std::size_t i = 0; i < batch.size(); ++i) {
-      // Each new point adds at most two triangles: one on either side of its edge.
-      const std::size_t added = 2 * (batch[i].points->size() - base.size()) + 2 * batch[i].cuts;
+      // Each new corner adds at most two triangles: one on either side of an edge, or two in the facet.
+      const std::size_t added = 2 * batch[i].new_corners;
       if (triangles + added > most_triangles) {
         result.uncut_pairs += begins[begin + i + 1] - begins[begin + i];
         continue;

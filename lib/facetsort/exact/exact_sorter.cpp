@@ -109,6 +109,24 @@ std::vector<FacetId> find_planes(const MeshView& mesh, const std::vector<unsigne
   return plane;
 }
 
+// Whether a facet's normal is opposite to that of the facet that stands for its plane.
+std::vector<unsigned char> find_facing_away(const MeshView& mesh, const std::vector<FacetId>& plane) {
+  std::vector<unsigned char> away(mesh.facet_count());
+  parallel_ranges(away.size(), facets_per_task, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
+      const FacetId g = plane[f];
+      if (g == f) continue;
+      for (int axis = 0; axis < 3; ++axis) {
+        const int sign = normal_sign(mesh.corner(f, 0), mesh.corner(f, 1), mesh.corner(f, 2), axis);
+        if (sign == 0) continue;
+        away[f] = normal_sign(mesh.corner(g, 0), mesh.corner(g, 1), mesh.corner(g, 2), axis) != sign;
+        break;
+      }
+    }
+  });
+  return away;
+}
+
 // `behind` must be drawn before `before`, whose turn by depth is earlier.
 struct Broken {
   std::uint32_t before, behind;  // elements
@@ -130,12 +148,13 @@ struct ExactSorter::State {
   State(const MeshView& mesh_in, const ExactOptions& options_in)
       : mesh(mesh_in),
         options(options_in),
-        space{mesh_in, identify_positions(mesh_in), {}, {}, {}},
+        space{mesh_in, identify_positions(mesh_in), {}, {}, {}, {}},
         degenerate(find_degenerate(mesh_in)),
         points(with_planes()) {}
 
   const PointSpace& with_planes() {
     space.plane_of_facet = find_planes(mesh, degenerate);
+    space.faces_away = find_facing_away(mesh, space.plane_of_facet);
     space.find_facets_around();
     return space;
   }
@@ -150,6 +169,7 @@ struct ExactSorter::State {
   void finish_component(std::uint32_t element);
   void fill_in_cycles();
   bool comes_before(std::uint32_t a, std::uint32_t b) const;
+  int behind_by_cut(std::uint32_t element, std::uint32_t other) const;
   bool is_behind(const ElementPair& pair, bool first) const;
   SeenPart seen_part(std::uint32_t element) const;
   std::size_t most_triangles() const;
@@ -238,7 +258,7 @@ std::size_t ExactSorter::State::bytes_held() const {
     return ((vectors.capacity() * sizeof(typename std::decay_t<decltype(vectors)>::value_type)) + ...);
   };
   return points.memory_bytes() + parts.memory_bytes() + elements.memory_bytes() +
-         bytes(space.position_of_vertex, space.plane_of_facet, degenerate, pieces, planes, first_broken, number, lowest,
+         bytes(space.position_of_vertex, space.plane_of_facet, space.faces_away, space.around_begin, space.around, degenerate, pieces, planes, first_broken, number, lowest,
                drawn);
 }
 
@@ -253,12 +273,30 @@ SeenPart ExactSorter::State::seen_part(std::uint32_t element) const {
   return {elements.facet[element], screen.facing(element), elements.corners(element)};
 }
 
+// Where `element` is a piece that a cut along the plane of `other` bounds: +1 when it lies beyond that plane, -1 when it
+// lies before it; 0 where there is no such cut.
+int ExactSorter::State::behind_by_cut(std::uint32_t element, std::uint32_t other) const {
+  const std::uint32_t id = elements.draw_id[element];
+  if (id < mesh.facet_count()) return 0;
+  const FacetId facet = elements.facet[other];
+  for (const Cut& cut : parts.cuts_of(parts.parts[id - mesh.facet_count()])) {
+    if (cut.plane != space.plane_of_facet[facet]) continue;
+    return cut.side * screen.facing(other) * (space.faces_away[facet] != 0 ? -1 : 1) < 0 ? 1 : -1;
+  }
+  return 0;
+}
+
 // Whether the first (or else the second) of a pair is behind the other. Exact; the filter decides nearly all.
 bool ExactSorter::State::is_behind(const ElementPair& pair, bool first) const {
   if (elements.facet[pair.a] == elements.facet[pair.b]) return false;
-  Seen seen = pair.seen;
-  if (seen.overlap == Seen::not_compared) seen = screen.compare(elements, pair.a, pair.b);
   const int sign = first ? 1 : -1;
+  Seen seen = pair.seen;
+  if (seen.overlap == Seen::not_compared) {
+    const int by_cut = behind_by_cut(pair.a, pair.b) - behind_by_cut(pair.b, pair.a);
+    if (by_cut == -sign) return false;
+    seen = screen.compare(elements, pair.a, pair.b);
+    if (by_cut != 0) seen.behind = static_cast<std::int8_t>(by_cut);
+  }
   if (seen.overlap == Seen::apart || seen.behind == -sign) return false;
   if (seen.overlap == Seen::overlapping && seen.behind == sign) return true;
   return hiding(points, screen.viewpoint(), seen_part(pair.a), seen_part(pair.b)) ==
@@ -451,7 +489,7 @@ void ExactSorter::State::fill_in_cycles() {
     }
     const Cycle& cycle = cycles[entry & ~cycle_mark];
     const OrderedCycle& result = ordered[entry & ~cycle_mark];
-    const std::size_t added = 2 * (result.points.size() - points_before) + 2 * result.cuts;
+    const std::size_t added = 2 * count_new_corners(result.points, result.pieces, points_before);
     if (triangles + added > limit) {
       for (const std::uint32_t element : cycle.elements) filled_order.push_back(elements.draw_id[element]);
       for (const HidingPair& pair : cycle.pairs) statistics.unordered_pairs += pair.first > pair.second;

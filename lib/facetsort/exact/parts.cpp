@@ -72,4 +72,13 @@ bool cut_in_two(Points& points, FacetId facet, const Polygon& polygon, PlaneId p
   return true;
 }
 
+std::size_t count_new_corners(const Points& points, const PartList& parts, std::size_t first) {
+  std::vector<PointDefinition> definitions;
+  for (const PartCorner& corner : parts.corners) {
+    if (corner.point >= first) definitions.push_back(points.definition(corner.point));
+  }
+  std::sort(definitions.begin(), definitions.end());
+  return static_cast<std::size_t>(std::unique(definitions.begin(), definitions.end()) - definitions.begin());
+}
+
 }  // namespace facetsort::exact_internal

@@ -69,4 +69,7 @@ bool cut_in_two(Points& points, FacetId facet, const Polygon& polygon, PlaneId p
                 std::vector<int>& sides);
 
 
+// Distinct points, by definition, that are corners of the parts and have ids from `first` on.
+std::size_t count_new_corners(const Points& points, const PartList& parts, std::size_t first);
+
 }  // namespace facetsort::exact_internal

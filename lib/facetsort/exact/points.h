@@ -38,6 +38,7 @@ struct PointSpace {
   MeshView mesh;
   std::vector<PointId> position_of_vertex;  // the smallest vertex at the same position
   std::vector<FacetId> plane_of_facet;      // the smallest facet known to lie in the same plane
+  std::vector<unsigned char> faces_away;    // whether its normal is opposite to that facet's
   std::vector<std::uint32_t> around_begin;  // vertex: its facets in `around`, by position
   std::vector<FacetId> around;
 

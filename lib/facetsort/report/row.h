@@ -7,6 +7,8 @@
 #include <string>
 #include <vector>
 
+#include "facetsort/exact/exact_sorter.h"
+
 namespace facetsort {
 
 // A measured time: the median of repeated runs, and the distance between their quartiles.
@@ -47,6 +49,7 @@ struct Row {
   std::size_t embree_rays = 0;
   std::optional<std::size_t> embree_inverted;
   std::size_t embree_unjudged = 0;
+  std::optional<ExactStatistics> exact;    // of the exact order alone
 };
 
 // A picture of a strategy on one mesh, for the report page. Paths are relative to the report's folder.
@@ -71,6 +74,7 @@ struct Comparison {
   std::string command;
   std::string date;                // ISO 8601
   int width = 0, height = 0, views = 0;
+  bool has_stability_page = false;  // stability.html, beside the page
   std::vector<MeshSummary> meshes;
   std::vector<Row> rows;
   std::vector<ReportPicture> pictures;

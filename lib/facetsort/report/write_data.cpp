@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 #include <string>
 
+#include "facetsort/report/exact_measures.h"
 #include "facetsort/report/join.h"
 #include "facetsort/report/replace_file.h"
 #include "facetsort/report/stability.h"
@@ -28,7 +29,7 @@ double shortest_decimal(float value) {
   return decimal;
 }
 
-// The columns of both files; `eye` is the only one that is not a number, a string or null.
+// The columns of results.csv, and what results.json has too; `eye` is the only one that is not a number, a string or null.
 Json row_json(const Row& row) {
   return {{"mesh", row.mesh},
           {"facets", row.facets},
@@ -61,6 +62,12 @@ Json row_json(const Row& row) {
           {"embree_rays", row.embree_rays},
           {"embree_inverted", or_null(row.embree_inverted)},
           {"embree_unjudged", row.embree_unjudged}};
+}
+
+Json whole_row_json(const Row& row) {
+  Json json = row_json(row);
+  json["exact"] = row.exact ? exact_json<Json>(*row.exact) : Json(nullptr);
+  return json;
 }
 
 Json value_json(const StabilityPoint& point) {
@@ -192,7 +199,7 @@ Status write_json(const std::filesystem::path& path, const Comparison& compariso
   text += ",\n \"size\": " + to_text(Json::array({comparison.width, comparison.height}));
   text += ",\n \"views\": " + to_text(comparison.views);
   text += ",\n \"meshes\": " + array_text(comparison.meshes, mesh_json);
-  text += ",\n \"rows\": " + array_text(comparison.rows, row_json) + "\n}\n";
+  text += ",\n \"rows\": " + array_text(comparison.rows, whole_row_json) + "\n}\n";
   return replace_file_content(path, text);
 }
 
