@@ -82,8 +82,48 @@ class CycleCutter {
     for (std::uint32_t i = 0; i < parts.size(); ++i) local_[parts[i]] = i;
   }
 
+  // Breaks a small component by cutting a single part along the plane of another, and emits it, where that is enough.
+  bool cut_one(const std::vector<std::uint32_t>& parts, const std::vector<HidingPair>& pairs) {
+    constexpr std::size_t most_parts = 12;
+    if (parts.size() > most_parts) return false;
+    for (const std::uint32_t part : parts) {
+      for (const std::uint32_t other : parts) {
+        if (other == part || side_of(parts_[other].facet, part) != in_both) continue;
+        const std::size_t parts_before = parts_.size(), points_before = result_.points.size();
+        const auto [beyond, before] = halve(part, parts_[other].facet, parts_[other].facing);
+        std::vector<HidingPair> kept;
+        for (const HidingPair& pair : pairs) {
+          if (pair.first != part && pair.second != part) {
+            kept.push_back(pair);
+            continue;
+          }
+          for (const std::uint32_t half : {beyond, before}) {
+            keep_pair(pair, pair.first == part ? half : pair.first, pair.second == part ? half : pair.second, kept);
+          }
+        }
+        std::vector<std::uint32_t> left = {beyond, before};
+        for (const std::uint32_t p : parts) {
+          if (p != part) left.push_back(p);
+        }
+        number(left);
+        std::vector<std::vector<std::uint32_t>> behind(left.size());
+        for (const HidingPair& pair : kept) behind[local_[pair.second]].push_back(local_[pair.first]);
+        const auto components = ordered_components(behind);
+        if (components.size() == left.size()) {
+          for (const std::vector<std::uint32_t>& component : components) emit(left[component.front()]);
+          return true;
+        }
+        parts_.resize(parts_before);
+        result_.points.truncate(points_before);
+        --result_.cuts;
+      }
+    }
+    return false;
+  }
+
   // Takes one component apart by the plane of one of its parts.
   void cut(const std::vector<std::uint32_t>& parts, const std::vector<HidingPair>& pairs) {
+    if (cut_one(parts, pairs)) return;
     number(parts);
     const std::uint32_t chosen = parts[choose_plane(parts)];
     const FacetId plane = parts_[chosen].facet;

@@ -42,10 +42,10 @@ struct OrderedCycle {
   std::size_t cuts = 0;
 };
 
-// Orders the members of a cycle, cutting some. By a BSP of the members' own planes (Fuchs, Kedem and Naylor 1980, "On
-// Visible Surface Generation by A Priori Tree Structures"), but the plane is the one that cuts the fewest, and what it
-// leaves on either side is taken apart into components again, so that only cycles are ever cut. `members` come farthest
-// first, `pairs` are all that hide each other.
+// Orders the members of a cycle, cutting some: in a small cycle one, where that is enough; otherwise by a BSP of the
+// members' own planes (Fuchs, Kedem and Naylor 1980, "On Visible Surface Generation by A Priori Tree Structures"), but
+// the plane is the one that cuts the fewest, and what it leaves on either side is taken apart into components again, so
+// that only cycles are ever cut. `members` come farthest first, `pairs` are all that hide each other.
 OrderedCycle order_cycle(const Points& base, const Viewpoint& from, std::vector<CycleMember> members,
                          const std::vector<HidingPair>& pairs);
 

@@ -288,13 +288,14 @@ int ExactSorter::State::behind_by_cut(std::uint32_t element, std::uint32_t other
 
 // Whether the first (or else the second) of a pair is behind the other. Exact; the filter decides nearly all.
 bool ExactSorter::State::is_behind(const ElementPair& pair, bool first) const {
-  if (elements.facet[pair.a] == elements.facet[pair.b]) return false;
+  const FacetId a_facet = elements.facet[pair.a], b_facet = elements.facet[pair.b];
+  if (space.plane_of_facet[a_facet] == space.plane_of_facet[b_facet]) return false;
   const int sign = first ? 1 : -1;
   Seen seen = pair.seen;
   if (seen.overlap == Seen::not_compared) {
     const int by_cut = behind_by_cut(pair.a, pair.b) - behind_by_cut(pair.b, pair.a);
     if (by_cut == -sign) return false;
-    seen = screen.compare(elements, pair.a, pair.b);
+    seen = screen.compare(elements, pair.a, pair.b, sign);
     if (by_cut != 0) seen.behind = static_cast<std::int8_t>(by_cut);
   }
   if (seen.overlap == Seen::apart || seen.behind == -sign) return false;

@@ -76,7 +76,7 @@ void Screen::see_points(const Elements& elements) {
   const double nearest_known =
       std::max(nearest_squared * (1 + glm::dot(elements.extent, elements.extent)),
                0x1p+46 * elements.largest_error * elements.largest_error);
-  screen_points_.resize(viewpoint_.surrounded ? 0 : seen_.size());
+  screen_points_.resize(seen_.size());
   parallel_ranges(seen_.size(), slots_per_task, [&](std::size_t begin, std::size_t end) {
     for (std::size_t slot = begin; slot < end; ++slot) {
       const glm::dvec3 p = elements.slot_position[slot];
@@ -86,6 +86,7 @@ void Screen::see_points(const Elements& elements) {
         const bool known = squared > nearest_known;
         const glm::vec3 direction(known ? q / std::sqrt(squared) : glm::dvec3(unknown_direction));
         seen_[slot] = {direction.x, direction.y, direction.z, static_cast<float>(squared)};
+        screen_points_[slot] = {q.x, q.y, q.z};
       } else {
         // The eye is left out where right and down are across the axis through it: far eyes cost no digits.
         const double depth = glm::dot(forward_, p);
@@ -250,7 +251,8 @@ void Screen::look(const Points& points, const Elements& elements, const Eye& eye
   choose_projection(elements, eye);
   see_points(elements);
   // Depths are off by some 2^-49 and the error of constructed points; over the nearest depth, times a coordinate.
-  rounding_ = largest_coordinate / nearest_depth * (0x1p-48 + 2 * elements.largest_error);
+  rounding_ = 0x1p-48 + 2 * elements.largest_error;
+  if (!viewpoint_.surrounded) rounding_ *= largest_coordinate / nearest_depth;
   place_elements(points, elements, keys);
   bound_levels();
   find_flat_fans(elements);
@@ -263,56 +265,50 @@ double magnitude(const glm::dvec3& v) { return std::abs(v.x) + std::abs(v.y) + s
 
 enum class Edges { part, do_not_part, unsure };
 
+// Of two parts that share an edge of both: they overlap if and only if the rest of both is on one side of it, which
+// follows from how they are wound and face. Either, where they share no edge.
+template <std::size_t a_extent, std::size_t b_extent>
+Seen::Overlap overlap_across_edge(std::span<const std::uint32_t, a_extent> a, int a_facing,
+                                  std::span<const std::uint32_t, b_extent> b, int b_facing) {
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const std::uint32_t from = a[i], to = a[i + 1 == a.size() ? 0 : i + 1];
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::uint32_t b_from = b[j], b_to = b[j + 1 == b.size() ? 0 : j + 1];
+      if (from == b_to && to == b_from) return a_facing == b_facing ? Seen::apart : Seen::overlapping;
+      if (from == b_from && to == b_to) return a_facing == b_facing ? Seen::overlapping : Seen::apart;
+    }
+  }
+  return Seen::either;
+}
+
 }  // namespace
 
-Seen Screen::compare(const Elements& elements, std::uint32_t a, std::uint32_t b) const {
-  if (viewpoint_.surrounded) return {Seen::either, 0};
+Seen Screen::compare(const Elements& elements, std::uint32_t a, std::uint32_t b, int behind) const {
   const auto a_slots = elements.slots(a), b_slots = elements.slots(b);
+  if (a_slots.size() == 3 && b_slots.size() == 3) {
+    return compare_parts(a_slots.first<3>(), facing_[a], b_slots.first<3>(), facing_[b], behind);
+  }
+  return compare_parts(a_slots, facing_[a], b_slots, facing_[b], behind);
+}
+
+template <std::size_t a_extent, std::size_t b_extent>
+Seen Screen::compare_parts(std::span<const std::uint32_t, a_extent> a_slots, int a_facing,
+                           std::span<const std::uint32_t, b_extent> b_slots, int b_facing, int behind) const {
   const double error = 4 * rounding_;  // of a difference of coordinates, with its own rounding
 
-  // Whether some edge of one has all of the other on its outer side. Corners that they share lie on the edge.
-  const auto edges_part = [&](std::span<const std::uint32_t> slots, int facing, std::span<const std::uint32_t> others) {
-    Edges result = Edges::do_not_part;
-    for (std::size_t i = 0; i < slots.size(); ++i) {
-      const std::uint32_t from = slots[i], to = slots[i + 1 == slots.size() ? 0 : i + 1];
-      const ScreenPoint &p = screen_points_[from], &q = screen_points_[to];
-      // The screen's y points down: facets that are seen counter-clockwise turn clockwise there.
-      const double ex = facing * (q.x - p.x), ey = facing * (q.y - p.y);
-      const double edge = magnitude(ex, ey);
-      bool certain = true, inside = false;
-      for (const std::uint32_t slot : others) {
-        if (slot == from || slot == to) continue;
-        const double rx = screen_points_[slot].x - p.x, ry = screen_points_[slot].y - p.y;
-        const double outward = ex * ry - ey * rx, bound = error * (edge + magnitude(rx, ry) + error);
-        if (outward < -bound) {
-          inside = true;
-          break;
-        }
-        certain = certain && outward > bound;
-      }
-      if (inside) continue;
-      if (certain) return Edges::part;
-      result = Edges::unsure;
-    }
-    return result;
+  const auto at = [&](std::uint32_t slot) {
+    const ScreenPoint& p = screen_points_[slot];
+    return glm::dvec3(p.x, p.y, p.nearness);
   };
-  const Edges by_a = edges_part(a_slots, facing_[a], b_slots);
-  if (by_a == Edges::part) return {Seen::apart, 0};
-  const Edges by_b = edges_part(b_slots, facing_[b], a_slots);
-  if (by_b == Edges::part) return {Seen::apart, 0};
-  const bool sure = by_a == Edges::do_not_part && by_b == Edges::do_not_part;
-  const Seen::Overlap overlap = sure ? Seen::overlapping : Seen::either;
 
-  // +1: all corners of the other are certainly nearer than the plane, or shared; -1: all farther; 0: neither.
-  const auto side = [&](std::span<const std::uint32_t> slots, int facing, std::span<const std::uint32_t> others) {
-    const auto at = [&](std::uint32_t slot) {
-      const ScreenPoint& p = screen_points_[slot];
-      return glm::dvec3(p.x, p.y, p.nearness);
-    };
+  // +1: all corners of the other are certainly nearer than the plane, or shared; -1: all farther; 0: neither. On the
+  // screen, y points down and what is seen counter-clockwise turns clockwise.
+  const double towards_eye = viewpoint_.surrounded ? 1 : -1;
+  const auto side = [&](const auto& slots, int facing, const auto& others) {
     const std::size_t count = slots.size();
     const glm::dvec3 origin = at(slots[0]);
     const glm::dvec3 u = at(slots[count / 3]) - origin, v = at(slots[2 * count / 3]) - origin;
-    const glm::dvec3 normal = static_cast<double>(-facing) * glm::cross(u, v);
+    const glm::dvec3 normal = towards_eye * facing * glm::cross(u, v);
     const double su = magnitude(u) + error, sv = magnitude(v) + error;
     bool nearer = true, farther = true;
     for (const std::uint32_t slot : others) {
@@ -326,9 +322,76 @@ Seen Screen::compare(const Elements& elements, std::uint32_t a, std::uint32_t b)
     }
     return nearer == farther ? 0 : nearer ? 1 : -1;
   };
-  const int b_side = side(a_slots, facing_[a], b_slots);
-  if (b_side != 0) return {overlap, static_cast<std::int8_t>(b_side)};
-  return {overlap, static_cast<std::int8_t>(-side(b_slots, facing_[b], a_slots))};
+  int known = side(a_slots, a_facing, b_slots);
+  if (known == 0) known = -side(b_slots, b_facing, a_slots);
+  if (known == -behind) return {Seen::either, static_cast<std::int8_t>(known)};
+
+  // How far a point is on the outer side of an edge, and a bound on the error of that: on the screen, or for the plane
+  // through the edge and the eye.
+  struct ScreenEdge {
+    double x, y, from_x, from_y, magnitude_of_edge, error;
+
+    std::pair<double, double> outward(const ScreenPoint& point) const {
+      const double rx = point.x - from_x, ry = point.y - from_y;
+      return {x * ry - y * rx, error * (magnitude_of_edge + magnitude(rx, ry) + error)};
+    }
+  };
+  struct EyePlane {
+    glm::dvec3 normal;
+    double relative_error, error;
+
+    std::pair<double, double> outward(const ScreenPoint& point) const {
+      const glm::dvec3 r(point.x, point.y, point.nearness);
+      return {glm::dot(normal, r), relative_error * magnitude(r) + error};
+    }
+  };
+
+  // Whether some edge of one has all of the other on its outer side. Corners that they share lie on the edge.
+  const auto edges_part = [&](const auto& slots, int facing, const auto& others, const auto& make_edge) {
+    Edges result = Edges::do_not_part;
+    for (std::size_t i = 0; i < slots.size(); ++i) {
+      const std::uint32_t from = slots[i], to = slots[i + 1 == slots.size() ? 0 : i + 1];
+      const auto edge = make_edge(from, to, facing);
+      bool certain = true, inside = false;
+      for (const std::uint32_t slot : others) {
+        if (slot == from || slot == to) continue;
+        const auto [outward, bound] = edge.outward(screen_points_[slot]);
+        if (outward < -bound) {
+          inside = true;
+          break;
+        }
+        certain = certain && outward > bound;
+      }
+      if (inside) continue;
+      if (certain) return Edges::part;
+      result = Edges::unsure;
+    }
+    return result;
+  };
+  const auto edge_on_screen = [&](std::uint32_t from, std::uint32_t to, int facing) {
+    const ScreenPoint &p = screen_points_[from], &q = screen_points_[to];
+    const double x = facing * (q.x - p.x), y = facing * (q.y - p.y);
+    return ScreenEdge{x, y, p.x, p.y, magnitude(x, y), error};
+  };
+  const auto plane_through_eye = [&](std::uint32_t from, std::uint32_t to, int facing) {
+    const glm::dvec3 p = at(from), q = at(to);
+    const double sp = magnitude(p) + error, sq = magnitude(q) + error;
+    return EyePlane{static_cast<double>(facing) * glm::cross(p, q), 0x1p-48 * sp * sq + error * (sp + sq), error * sp * sq};
+  };
+  const auto part = [&](const auto& make_edge) {
+    const Edges by_a = edges_part(a_slots, a_facing, b_slots, make_edge);
+    if (by_a == Edges::part) return by_a;
+    const Edges by_b = edges_part(b_slots, b_facing, a_slots, make_edge);
+    return by_b == Edges::do_not_part ? by_a : by_b;
+  };
+  Seen::Overlap overlap = overlap_across_edge(a_slots, a_facing, b_slots, b_facing);
+  if (overlap == Seen::either) {
+    const Edges edges = viewpoint_.surrounded ? part(plane_through_eye) : part(edge_on_screen);
+    if (edges == Edges::part) overlap = Seen::apart;
+    // Around the eye, parts may be apart though none of their edges tells.
+    if (edges == Edges::do_not_part && !viewpoint_.surrounded) overlap = Seen::overlapping;
+  }
+  return {overlap, static_cast<std::int8_t>(known)};
 }
 
 std::size_t Screen::memory_bytes() const {

@@ -20,8 +20,8 @@ struct SeenPoint {
 };
 
 // The same on the plane, in double: x and y, and how near the point is, in a measure that is linear on the screen for
-// points of a plane: the reciprocal depth in perspective, the depth itself towards an orthographic eye. Off by at most
-// Screen::rounding().
+// points of a plane: the reciprocal depth in perspective, the depth itself towards an orthographic eye. Where there is
+// no such plane, the three coordinates relative to the eye.
 struct ScreenPoint {
   double x, y, nearness;
 };
@@ -35,8 +35,10 @@ class Screen {
   const Viewpoint& viewpoint() const { return viewpoint_; }
   // The side of its facet's plane that the eye is on; 0 where it has no area or is seen edge-on.
   int facing(std::uint32_t element) const { return facing_[element]; }
-  // What a filter in double is sure of. Precondition: parts of different facets, neither seen edge-on, that do not cross.
-  Seen compare(const Elements& elements, std::uint32_t a, std::uint32_t b) const;
+  // What a filter in double is sure of. Whether they overlap is left open where the answer is not the one asked for:
+  // that the first is behind (+1) or the second (-1). Precondition: parts of different facets, neither seen edge-on,
+  // that do not cross.
+  Seen compare(const Elements& elements, std::uint32_t a, std::uint32_t b, int behind) const;
   ScreenBox box(std::uint32_t element) const {
     return levels_[0][element / BoxBlock::size].box(element % BoxBlock::size);
   }
@@ -51,6 +53,9 @@ class Screen {
   std::size_t memory_bytes() const;
 
  private:
+  template <std::size_t a_extent, std::size_t b_extent>
+  Seen compare_parts(std::span<const std::uint32_t, a_extent> a_slots, int a_facing,
+                     std::span<const std::uint32_t, b_extent> b_slots, int b_facing, int behind) const;
   void choose_projection(const Elements& elements, const Eye& eye);
   void see_points(const Elements& elements);
   void place_elements(const Points& points, const Elements& elements, std::vector<float>& keys);
