@@ -6,6 +6,8 @@
 #include <string_view>
 #include <vector>
 
+#include "facetsort/exact/exact_sorter.h"
+
 namespace facetsort {
 namespace {
 
@@ -78,7 +80,7 @@ CLI::Option* add_method_option(CLI::App& command, Method& method) {
     }
     method = *known;
   };
-  return command.add_option_function<std::string>("--method", parse, "Depth key: " + method_names())
+  return command.add_option_function<std::string>("--method", parse, "How the order is found: " + method_names())
       ->type_name("M")
       ->default_str(std::string(method_name(method)));
 }
@@ -130,6 +132,22 @@ CLI::Option* add_radii_option(CLI::App& command, float& radii) {
                                         "Distance of the eyes from the box's centre, in bounding radii")
       ->type_name("D")
       ->default_str("2.5");
+}
+
+CLI::Option* add_growth_option(CLI::App& command, std::optional<double>& max_growth) {
+  const auto parse = [&max_growth](const std::string& text) {
+    const std::optional<double> number = parse_number<double>(text);
+    if (!number || !std::isfinite(*number) || *number < 1) {
+      throw CLI::ValidationError("--max-growth", "'" + text + "' is not a number of at least 1");
+    }
+    max_growth = *number;
+  };
+  return command
+      .add_option_function<std::string>(
+          "--max-growth", parse,
+          "Of exact alone: most triangles out over facets in; what would take more cuts stays unordered and is counted")
+      ->type_name("G")
+      ->default_str(std::to_string(std::lround(ExactOptions{}.max_growth)));
 }
 
 std::string strategy_names() {

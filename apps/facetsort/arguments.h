@@ -4,6 +4,7 @@
 
 #include <CLI/CLI.hpp>
 #include <glm/glm.hpp>
+#include <optional>
 #include <string>
 
 #include "facetsort/blend/image.h"
@@ -28,6 +29,8 @@ CLI::Option* add_size_option(CLI::App& command, PictureSize& size, const std::st
 CLI::Option* add_count_option(CLI::App& command, const std::string& name, int& count, int most,
                               const std::string& description);
 CLI::Option* add_radii_option(CLI::App& command, float& radii);
+// A finite number of at least 1.
+CLI::Option* add_growth_option(CLI::App& command, std::optional<double>& max_growth);
 
 // "unsorted, double_sided, ...": every name that parse_strategy knows.
 std::string strategy_names();

@@ -34,8 +34,8 @@ ExitStatus run_blend(const BlendOptions& options, const CommonOptions& common) {
   Image image;
   renderer.order(view);
   const DrawStatistics statistics = renderer.draw(view, options.format, image);
-  const Timing order = time_median([&] { renderer.order(view); }, timed_frames, 0);
-  const Timing blend = time_median([&] { renderer.draw(view, options.format, image); }, timed_frames, 0);
+  const Timing order = time_median([&] { renderer.order(view); }, timed_frames);
+  const Timing blend = time_median([&] { renderer.draw(view, options.format, image); }, timed_frames);
   require(write_image(options.output, image));
 
   if (common.json) {

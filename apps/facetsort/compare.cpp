@@ -175,6 +175,7 @@ ExitStatus run_compare(const CompareOptions& options, const CommonOptions& commo
   comparison.width = options.size.width;
   comparison.height = options.size.height;
   comparison.views = options.views;
+  comparison.has_stability_page = std::filesystem::exists(std::filesystem::path(options.output) / "stability.html");
   {
     double work = 0;
     for (const InputMesh& mesh : meshes) {
@@ -216,7 +217,7 @@ Verb add_compare(CLI::App& program, const CommonOptions& common) {
   command->add_flag("--ortho", options->orthographic, "Orthographic, two bounding radii high [perspective]");
   add_format_option(*command, options->format);
   add_count_option(*command, "--repeats", options->repeats, most_repeats,
-                   "Timed frames of each strategy in each view, after one that is not");
+                   "Timed frames of each strategy in each view, after one that is not; fewer where they take over two seconds");
   command->add_option("--out", options->output, "Folder of the report; made where it is missing")
       ->required()
       ->type_name("DIR");

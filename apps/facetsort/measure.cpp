@@ -38,12 +38,13 @@ void measure_cost(StrategyRenderer& renderer, const RefereedView& refereed, std:
     row.facets_drawn = renderer.draw(view, refereed.format, picture).facets_drawn;
     row.peak_bytes = allocations.count().peak_bytes;
   }
-  row.order = time_median([&] { renderer.order(view); }, repeats, 0);
-  row.blend = time_median([&] { renderer.draw(view, refereed.format, picture); }, repeats, 0);
+  row.order = time_median([&] { renderer.order(view); }, repeats);
+  row.blend = time_median([&] { renderer.draw(view, refereed.format, picture); }, repeats);
   row.passes = renderer.passes();
   row.prepared_bytes = renderer.prepared_bytes();
   row.pieces = renderer.pieces();
   row.triangles_out = renderer.triangles();
+  row.exact = renderer.exact_statistics();
 }
 
 void judge(const InputMesh& input, const Image& picture, const RefereedView& refereed, Row& row) {
@@ -130,7 +131,7 @@ MeasuredStrategy measure_strategy(const InputMesh& input, const Strategy& strate
   if (strategy.kind == StrategyKind::facet_sort) row.method = method_name(strategy.method);
 
   std::optional<StrategyRenderer> renderer;
-  row.prepare_ms = time_median([&] { renderer.emplace(input.mesh.view(), strategy); }, 1, 0).median_ms;
+  row.prepare_ms = time_median([&] { renderer.emplace(input.mesh.view(), strategy); }, 1).median_ms;
   measure_cost(*renderer, refereed, repeats, row, measured.picture);
   judge(input, measured.picture, refereed, row);
   judge_draw_order(input, *renderer, refereed, row);

@@ -38,7 +38,8 @@ struct MeasuredStrategy {
   Image picture;
 };
 
-// Draws `repeats` times after an untimed first frame, whose allocations are counted. Parallel in the caller's arena.
+// Draws `repeats` times, or as often as most_repeating_seconds allow, after an untimed first frame, whose allocations
+// are counted. Parallel in the caller's arena.
 MeasuredStrategy measure_strategy(const InputMesh& input, const Strategy& strategy, const RefereedView& refereed,
                                   std::size_t repeats);
 

@@ -1,12 +1,16 @@
 // facetsort order: the draw order of a mesh for one view, as a file.
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include "arguments.h"
+#include "facetsort/exact/exact_sorter.h"
 #include "facetsort/order/sorter.h"
+#include "facetsort/report/exact_measures.h"
 #include "facetsort/report/number_text.h"
 #include "facetsort/report/timing.h"
 #include "input_mesh.h"
@@ -25,35 +29,135 @@ struct OrderOptions {
   std::string mesh, output;
   ViewOptions view;
   Method method = Method::centroid_distance;
+  std::optional<double> max_growth;
 };
+
+// What every method tells.
+struct OrderCost {
+  Timing prepare, sort;
+};
+
+Json cost_json(const OrderOptions& options, std::size_t facets, const OrderCost& cost) {
+  return {{"mesh", options.mesh},
+          {"facets", facets},
+          {"method", method_name(options.method)},
+          {"prepare_ms", cost.prepare.median_ms},
+          {"order_ms", cost.sort.median_ms},
+          {"order_ms_spread", cost.sort.spread_ms},
+          {"output", options.output}};
+}
+
+Facts cost_facts(const OrderOptions& options, std::size_t facets, const OrderCost& cost) {
+  return {{"facets", count_text(facets)},
+          {"method", std::string(method_name(options.method))},
+          {"order", milliseconds_text(cost.sort.median_ms) + " ms a frame, " +
+                        milliseconds_text(cost.prepare.median_ms) + " ms once a mesh"},
+          {"output", options.output}};
+}
+
+// The last sort of `sorter`, a Sorter or an ExactSorter, is of `eye`.
+template <typename AnySorter>
+Timing time_sorts(AnySorter& sorter, const SortView& eye) {
+  sorter.sort(eye);
+  return time_median([&] { sorter.sort(eye); }, timed_sorts);
+}
+
+void order_by_key(const OrderOptions& options, const CommonOptions& common, const InputMesh& input,
+                  const SortView& eye) {
+  std::optional<Sorter> sorter;
+  OrderCost cost;
+  cost.prepare = time_median([&] { sorter.emplace(input.mesh.view(), options.method); }, 1);
+  cost.sort = time_sorts(*sorter, eye);
+  const std::span<const std::uint32_t> order = sorter->sort(eye);
+  write_order(options.output, input.mesh, order);
+  if (common.json) {
+    print_json(cost_json(options, order.size(), cost));
+  } else {
+    print_facts(cost_facts(options, order.size(), cost));
+  }
+}
+
+// A list of ids says nothing of parts: refuses orders that have some. `order`: draw ids.
+void write_whole_facets(const OrderOptions& options, const Mesh& mesh, std::span<const std::uint32_t> order,
+                        const Pieces& pieces) {
+  std::vector<std::uint32_t> cut_facets;
+  for (const std::uint32_t id : order) {
+    if (id >= mesh.triangles.size()) cut_facets.push_back(pieces.facet_of(id, mesh.triangles.size()));
+  }
+  std::sort(cut_facets.begin(), cut_facets.end());
+  const auto cut = std::unique(cut_facets.begin(), cut_facets.end()) - cut_facets.begin();
+  if (cut > 0) {
+    throw Failure(options.output + ": " + std::to_string(cut) + (cut == 1 ? " facet" : " facets") +
+                  " cut; write a .ply");
+  }
+  write_order(options.output, mesh, order);
+}
+
+double growth(const ExactStatistics& statistics, std::size_t facets) {
+  return static_cast<double>(statistics.triangles) / static_cast<double>(facets);
+}
+
+// In the manner of a solver's log.
+void add_exact_facts(const ExactStatistics& s, std::size_t facets, double max_growth, Facts& facts) {
+  facts.emplace_back("crossing", count_text(s.crossing_pairs) + " pairs of facets, parted by " +
+                                     count_text(s.prepared_cuts) + " cuts once a mesh");
+  facts.emplace_back("pairs", count_text(s.candidate_pairs) + " candidates; depth breaks " +
+                                  count_text(s.constraints) + " constraints, mended by " + count_text(s.searches) +
+                                  " searches; " + count_text(s.predicate_fallbacks) + " decided by integers");
+  facts.emplace_back("cycles", count_text(s.components) + " of " + count_text(s.pieces_in_cycles) +
+                                   " pieces in all, the largest of " + count_text(s.largest_component) +
+                                   ", broken by " + count_text(s.view_cuts) + " cuts");
+  facts.emplace_back("drawn", count_text(s.pieces) + " pieces, " + count_text(s.triangles) + " triangles: growth " +
+                                  fixed_text(growth(s, facets), 3));
+  facts.emplace_back("times", "project " + milliseconds_text(s.project_ms) + ", pairs " +
+                                  milliseconds_text(s.pairs_ms) + ", order " + milliseconds_text(s.order_ms) +
+                                  ", cut " + milliseconds_text(s.cut_ms) + " ms");
+  if (s.crossing_pairs_uncut + s.unordered_pairs > 0) {
+    facts.emplace_back("NOT EXACT", "--max-growth " + number_text(max_growth) + " left " +
+                                        count_text(s.crossing_pairs_uncut) + " crossing pairs uncut and " +
+                                        count_text(s.unordered_pairs) + " pairs out of order");
+  }
+}
+
+void order_exactly(const OrderOptions& options, const CommonOptions& common, const InputMesh& input,
+                   const SortView& eye) {
+  const std::size_t facets = input.mesh.triangles.size();
+  ExactOptions exact;
+  exact.max_growth = options.max_growth.value_or(exact.max_growth);
+  std::optional<ExactSorter> sorter;
+  OrderCost cost;
+  cost.prepare = time_median([&] { sorter.emplace(input.mesh.view(), exact); }, 1);
+  cost.sort = time_sorts(*sorter, eye);
+  if (extension_of(options.output) == ".ply") {
+    write_triangles(options.output, input.mesh, sorter->triangles());
+  } else {
+    write_whole_facets(options, input.mesh, sorter->sort(eye), sorter->pieces());
+  }
+  const ExactStatistics& statistics = sorter->statistics();
+  if (common.json) {
+    Json document = cost_json(options, facets, cost);
+    document["growth"] = growth(statistics, facets);
+    document["exact"] = exact_json<Json>(statistics);
+    print_json(document);
+  } else {
+    Facts facts = cost_facts(options, facets, cost);
+    add_exact_facts(statistics, facets, exact.max_growth, facts);
+    print_facts(facts);
+  }
+}
 
 ExitStatus run_order(const OrderOptions& options, const CommonOptions& common) {
   require_output_file(options.output, {".u32", ".ply"});
+  if (options.max_growth && options.method != Method::exact) {
+    throw Failure("--max-growth is an option of --method exact: nothing else cuts");
+  }
   const InputMesh input = read_input_mesh(options.mesh);
   const View view = make_view(options.view, input.bounds);
   const SortView eye{view.homogeneous_eye(), view.forward()};
-
-  std::optional<Sorter> sorter;
-  const Timing prepare = time_median([&] { sorter.emplace(input.mesh.view(), options.method); }, 1, 0);
-  sorter->sort(eye);
-  std::span<const std::uint32_t> order;
-  const Timing sort = time_median([&] { order = sorter->sort(eye); }, timed_sorts, 0);
-  write_order(options.output, input.mesh, order);
-
-  if (common.json) {
-    print_json({{"mesh", options.mesh},
-                {"facets", order.size()},
-                {"method", method_name(options.method)},
-                {"prepare_ms", prepare.median_ms},
-                {"order_ms", sort.median_ms},
-                {"order_ms_spread", sort.spread_ms},
-                {"output", options.output}});
+  if (options.method == Method::exact) {
+    order_exactly(options, common, input, eye);
   } else {
-    print_facts({{"facets", count_text(order.size())},
-                 {"method", std::string(method_name(options.method))},
-                 {"order", milliseconds_text(sort.median_ms) + " ms a frame, " + milliseconds_text(prepare.median_ms) +
-                               " ms once a mesh"},
-                 {"output", options.output}});
+    order_by_key(options, common, input, eye);
   }
   return ExitStatus::done;
 }
@@ -66,13 +170,14 @@ Verb add_order(CLI::App& program, const CommonOptions& common) {
   command->add_option("MESH", options->mesh, "PLY, OBJ, OFF or STL file")->required()->type_name("");
   add_view_options(*command, options->view);
   add_method_option(*command, options->method);
+  add_growth_option(*command, options->max_growth);
   command
       ->add_option("-o,--output", options->output,
-                   "OUT.u32: little-endian 32-bit facet ids; OUT.ply: the triangles in draw order, each with its "
-                   "facet id as `source`")
+                   "OUT.u32: little-endian 32-bit facet ids, where no facet is cut; OUT.ply: the triangles in draw "
+                   "order, each with the id of its facet as `source`")
       ->required()
       ->type_name("OUT");
-  command->footer("Example: facetsort order meshes/teapot_1k.ply --eye 30,20,40 -o teapot.u32");
+  command->footer("Example: facetsort order meshes/teapot_1k.ply --eye 30,20,40 --method exact -o teapot.ply");
   return {command, [options, &common] { return run_order(*options, common); }};
 }
 

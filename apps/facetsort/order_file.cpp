@@ -27,6 +27,29 @@ Mesh in_draw_order(const Mesh& mesh, std::span<const std::uint32_t> order) {
   return drawn;
 }
 
+glm::vec4 interpolated_colour(const Mesh& mesh, const CutVertex& vertex) {
+  glm::vec4 colour(0);
+  for (int i = 0; i < 3; ++i) {
+    colour += vertex.barycentric[i] * mesh.vertex_colours[mesh.triangles[vertex.facet][i]];
+  }
+  return colour;
+}
+
+Mesh in_draw_order(const Mesh& mesh, const OrderedTriangles& order) {
+  Mesh drawn;
+  drawn.positions = mesh.positions;
+  drawn.vertex_colours = mesh.vertex_colours;
+  for (const CutVertex& vertex : order.vertices) {
+    drawn.positions.push_back(vertex.position);
+    if (!mesh.vertex_colours.empty()) drawn.vertex_colours.push_back(interpolated_colour(mesh, vertex));
+  }
+  drawn.triangles = order.triangles;
+  if (!mesh.facet_colours.empty()) {
+    for (const std::uint32_t facet : order.source) drawn.facet_colours.push_back(mesh.facet_colours[facet]);
+  }
+  return drawn;
+}
+
 std::string little_endian_bytes(std::span<const std::uint32_t> ids) {
   std::string bytes;
   bytes.reserve(id_bytes * ids.size());
@@ -70,13 +93,6 @@ OrderFile read_triangles(const std::filesystem::path& path) {
   return file;
 }
 
-bool same_corners(const Mesh& a, std::size_t facet_of_a, const Mesh& b, std::size_t facet_of_b) {
-  for (int i = 0; i < 3; ++i) {
-    if (a.view().corner(facet_of_a, i) != b.view().corner(facet_of_b, i)) return false;
-  }
-  return true;
-}
-
 }  // namespace
 
 void write_order(const std::filesystem::path& path, const Mesh& mesh, std::span<const std::uint32_t> order) {
@@ -87,31 +103,15 @@ void write_order(const std::filesystem::path& path, const Mesh& mesh, std::span<
   }
 }
 
+void write_triangles(const std::filesystem::path& path, const Mesh& mesh, const OrderedTriangles& order) {
+  require(write_ply(path, in_draw_order(mesh, order).view(), order.source));
+}
+
 OrderFile read_order(const std::filesystem::path& path) {
   const std::string extension = extension_of(path);
   if (extension == ".u32") return read_ids(path);
   if (extension == ".ply") return read_triangles(path);
   throw Failure(path.string() + ": an order is a file that ends in .u32 or .ply");
-}
-
-OrderFaults find_faults(const OrderFile& file, const Mesh& mesh) {
-  OrderFaults faults;
-  std::vector<unsigned char> drawn(mesh.triangles.size());
-  for (std::size_t place = 0; place < file.ids.size(); ++place) {
-    const std::uint32_t id = file.ids[place];
-    if (id >= drawn.size()) {
-      if (faults.out_of_range++ == 0) faults.first_out_of_range = id;
-      continue;
-    }
-    if (drawn[id] && faults.repeated++ == 0) faults.first_repeated = id;
-    drawn[id] = 1;
-    if (file.mesh && !same_corners(*file.mesh, place, mesh, id) && faults.wrong_corners++ == 0)
-      faults.first_wrong_corners = place;
-  }
-  for (std::size_t facet = 0; facet < drawn.size(); ++facet) {
-    if (!drawn[facet] && faults.missing++ == 0) faults.first_missing = static_cast<std::uint32_t>(facet);
-  }
-  return faults;
 }
 
 }  // namespace facetsort

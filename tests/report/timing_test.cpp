@@ -24,16 +24,16 @@ TEST(MedianAndSpread, OneSlowRunChangesNothing) {
 
 TEST(TimeMedian, RunsAsOftenAsAsked) {
   int runs = 0;
-  const Timing timing = time_median([&] { ++runs; }, 5, 0);
+  const Timing timing = time_median([&] { ++runs; }, 5);
   EXPECT_EQ(runs, 5);
   EXPECT_GE(timing.median_ms, 0);
   EXPECT_GE(timing.spread_ms, 0);
 }
 
-TEST(TimeMedian, GoesOnWhileThereIsTime) {
-  const auto begin = std::chrono::steady_clock::now();
-  time_median([] {}, 1, 0.02);
-  EXPECT_GE(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(), 0.02);
+TEST(TimeMedian, RunsOnceWhereThereIsNoTime) {
+  int runs = 0;
+  time_median([&] { ++runs; }, 5, 0);
+  EXPECT_EQ(runs, 1);
 }
 
 TEST(TimeMedian, CountsOnlyTheRuns) {
@@ -44,7 +44,7 @@ TEST(TimeMedian, CountsOnlyTheRuns) {
         while (std::chrono::steady_clock::now() - begin < std::chrono::milliseconds(2)) {
         }
       },
-      3, 0);
+      3);
   EXPECT_GE(timing.median_ms, 2);
 }
 
