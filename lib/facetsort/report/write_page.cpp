@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "facetsort/report/difference_image.h"
+#include "facetsort/report/exact_measures.h"
 #include "facetsort/report/html.h"
 #include "facetsort/report/join.h"
 #include "facetsort/report/number_text.h"
@@ -33,34 +34,37 @@ std::string_view family_of(std::string_view strategy) {
   return strategy.substr(0, strategy.find(':'));
 }
 
-// Families that people know get a fixed look, so that reports can be compared; any other takes what is free. All
+// Strategies that people know get a fixed look, so that reports can be compared; any other takes what is free. All
 // colours keep a contrast of 3 with white and with near black, and differ in lightness as well as in hue.
-struct FamilyLook {
-  std::string_view family;
+struct KnownLook {
+  std::string_view strategy;
   std::string_view colour;
   int symbol;
 };
-constexpr std::array<FamilyLook, 6> known_families{{{"unsorted", "#8a7a6a", 2},
-                                                    {"separate_culling_pass", "#c97a00", 8},
-                                                    {"double_sided", "#c9569c", 10},
-                                                    {"depth_prepass", "#128a6b", 4},
-                                                    {"depth_write", "#5f9e2f", 1},
-                                                    {"reference", "#7a808a", 3}}};
+constexpr std::array<KnownLook, 9> known_looks{{{"unsorted", "#8a7a6a", 2},
+                                                {"separate_culling_pass", "#c97a00", 8},
+                                                {"double_sided", "#c9569c", 10},
+                                                {"depth_prepass", "#128a6b", 4},
+                                                {"depth_write", "#5f9e2f", 1},
+                                                {"facet_sort:exact", "#d1442f", 6},
+                                                {"depth_peeling", "#8d7b1a", 12},
+                                                {"dual_depth_peeling", "#a06a2c", 14},
+                                                {"reference", "#7a808a", 3}}};
 // Members of a family such as facet_sort:… in turn: filled symbols, shades from blue to violet.
 constexpr std::array<int, 6> member_symbols{7, 13, 5, 9, 11, 15};
 constexpr std::array<std::string_view, 6> member_colours{"#1f78d1", "#7d5ae0", "#1590a8",
                                                          "#4668c4", "#9b59c8", "#3d87a8"};
-constexpr std::array<int, 9> free_symbols{6, 12, 14, 7, 13, 5, 9, 11, 15};
-constexpr std::array<std::string_view, 5> free_colours{"#d1442f", "#a06a2c", "#b8489a", "#2f8f4e", "#8d7b1a"};
+constexpr std::array<int, 6> free_symbols{15, 11, 9, 5, 13, 7};
+constexpr std::array<std::string_view, 4> free_colours{"#b8489a", "#2f8f4e", "#6a7fb0", "#b0603f"};
 
 Marks choose_marks(const std::vector<std::string>& strategies) {
   Marks marks;
   std::size_t members = 0, others = 0;
   for (const std::string& strategy : strategies) {
-    const auto known = std::find_if(known_families.begin(), known_families.end(),
-                                    [&](const FamilyLook& look) { return look.family == strategy; });
+    const auto known = std::find_if(known_looks.begin(), known_looks.end(),
+                                    [&](const KnownLook& look) { return look.strategy == strategy; });
     Mark& mark = marks[strategy];
-    if (known != known_families.end()) {
+    if (known != known_looks.end()) {
       mark = {known->symbol, std::string(known->colour)};
     } else if (family_of(strategy) == "facet_sort") {
       mark = {member_symbols[members % member_symbols.size()],
@@ -249,7 +253,11 @@ std::string header_html(const Comparison& comparison, const Summary& summary) {
       " pixels on a software blend target. Every picture was compared with a reference that sorts the "
       "fragments of each pixel by their own depth, and every frame was timed.</p>\n");
   html += join("<p class=\"facts\">", html_escape(comparison.date), " \xc2\xb7 ", html_escape(comparison.machine),
-               "<br><code>", html_escape(comparison.command), "</code></p>\n<nav aria-label=\"Meshes\"><ul>\n");
+               "<br><code>", html_escape(comparison.command), "</code></p>\n");
+  if (comparison.has_stability_page) {
+    html += "<p>How far each order can be trusted: <a href=\"stability.html\">where methods break</a>.</p>\n";
+  }
+  html += "<nav aria-label=\"Meshes\"><ul>\n";
   for (std::size_t i = 0; i < summary.meshes.size(); ++i) {
     html += join("<li><a href=\"#", section_id(i), "\">", html_escape(summary.meshes[i].mesh.name), "</a></li>\n");
   }
@@ -522,7 +530,7 @@ std::string error_text(double value) {
 }
 
 std::string mesh_table_html(const MeshResults& results, const Marks& marks) {
-  static constexpr std::array<std::array<std::string_view, 2>, 19> headings{{{"wrong", "%, mean"},
+  static constexpr std::array<std::array<std::string_view, 2>, 20> headings{{{"wrong", "%, mean"},
                                                                              {"wrong", "%, worst view"},
                                                                              {"inverted", "%, mean"},
                                                                              {"inverted", "%, worst view"},
@@ -531,7 +539,8 @@ std::string mesh_table_html(const MeshResults& results, const Marks& marks) {
                                                                              {"prepare", "ms, once"},
                                                                              {"passes", "a frame"},
                                                                              {"facets drawn", "most"},
-                                                                             {"triangles out", ""},
+                                                                             {"pieces", "most"},
+                                                                             {"triangles out", "most"},
                                                                              {"prepared", "memory"},
                                                                              {"peak", "memory, a frame"},
                                                                              {"rmse", "linear RGB"},
@@ -560,6 +569,7 @@ std::string mesh_table_html(const MeshResults& results, const Marks& marks) {
                                                          milliseconds_number(strategy.prepare_ms),
                                                          std::to_string(strategy.passes),
                                                          count_text(strategy.facets_drawn),
+                                                         count_text(strategy.pieces),
                                                          count_text(strategy.triangles_out),
                                                          bytes_text(strategy.prepared_bytes),
                                                          bytes_text(strategy.peak_bytes),
@@ -576,6 +586,37 @@ std::string mesh_table_html(const MeshResults& results, const Marks& marks) {
   return html + "</tbody></table></div></details>\n";
 }
 
+// Words of a name with underscores.
+std::string words_html(std::string_view name) {
+  std::string text = html_escape(name);
+  std::replace(text.begin(), text.end(), '_', ' ');
+  return text;
+}
+
+// What the exact order had to do in each view, in the manner of a solver's log; nothing where it was not run.
+std::string exact_table_html(const MeshResults& results, const Comparison& comparison) {
+  std::string rows;
+  for (const Row& row : comparison.rows) {
+    if (row.mesh != results.mesh.name || !row.exact) continue;
+    rows += join("<tr><th scope=\"row\">view ", std::to_string(row.view + 1), "</th>");
+    for (const ExactCount& count : exact_counts) rows += join("<td>", count_text((*row.exact).*count.value), "</td>");
+    for (const ExactTime& time : exact_times) {
+      rows += join("<td>", milliseconds_number((*row.exact).*time.value_ms), "</td>");
+    }
+    rows += "</tr>\n";
+  }
+  if (rows.empty()) return "";
+  std::string html = join(
+      "<details class=\"table\"><summary>What the exact order had to do</summary>\n<div class=\"scroll\" "
+      "tabindex=\"0\" role=\"region\" aria-label=\"The exact order of ",
+      html_escape(results.mesh.name), "\"><table>\n<thead><tr><th scope=\"col\">view</th>");
+  for (const ExactCount& count : exact_counts) html += join("<th scope=\"col\">", words_html(count.name), "</th>");
+  for (const ExactTime& time : exact_times) {
+    html += join("<th scope=\"col\">", words_html(time.name), "<small>ms</small></th>");
+  }
+  return join(html, "</tr></thead>\n<tbody>\n", rows, "</tbody></table></div></details>\n");
+}
+
 std::string mesh_html(std::size_t index, const MeshResults& results, const Marks& marks, const PagePlots& plots,
                       const Comparison& comparison) {
   std::vector<std::string> strategies;
@@ -587,7 +628,7 @@ std::string mesh_html(std::size_t index, const MeshResults& results, const Marks
               plots.figure(section_id(index) + "-inverted",
                            "Inverted pixels, mean of the views; only strategies that draw in an order."),
               "</div>\n", legend_html(strategies, marks), mesh_table_html(results, marks),
-              "<p><a href=\"#summary\">Back to the summary</a></p>\n</section>\n");
+              exact_table_html(results, comparison), "<p><a href=\"#summary\">Back to the summary</a></p>\n</section>\n");
 }
 
 std::string page_html(const Comparison& comparison, const Summary& summary, const Marks& marks,
