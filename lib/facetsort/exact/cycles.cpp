@@ -19,8 +19,8 @@ std::vector<PointId> loop_of(const std::vector<PartCorner>& corners) {
 
 class CycleCutter {
  public:
-  CycleCutter(const Points& base, const Viewpoint& from, std::vector<CycleMember> members)
-      : from_(from), result_{Points(&base), {}, {}, 0} {
+  CycleCutter(const Points& base, const Viewpoint& from, std::vector<CycleMember> members, std::size_t most_cuts)
+      : from_(from), most_cuts_(most_cuts), result_{Points(&base), {}, {}, 0, false} {
     for (std::uint32_t i = 0; i < members.size(); ++i) {
       CycleMember& member = members[i];
       std::vector<PointId> loop = loop_of(member.corners);
@@ -43,6 +43,8 @@ class CycleCutter {
       } else {
         for (const std::uint32_t part : task.parts) emit(part);
       }
+      result_.gave_up = result_.cuts > most_cuts_;
+      if (result_.gave_up) break;
     }
     return std::move(result_);
   }
@@ -262,6 +264,7 @@ class CycleCutter {
   }
 
   const Viewpoint from_;
+  const std::size_t most_cuts_;
   OrderedCycle result_;
   std::vector<LocalPart> parts_;
   std::vector<Task> tasks_;
@@ -321,8 +324,8 @@ std::vector<std::vector<std::uint32_t>> ordered_components(std::span<const std::
 }
 
 OrderedCycle order_cycle(const Points& base, const Viewpoint& from, std::vector<CycleMember> members,
-                         const std::vector<HidingPair>& pairs) {
-  return CycleCutter(base, from, std::move(members)).run(pairs);
+                         const std::vector<HidingPair>& pairs, std::size_t most_cuts) {
+  return CycleCutter(base, from, std::move(members), most_cuts).run(pairs);
 }
 
 }  // namespace facetsort::exact_internal

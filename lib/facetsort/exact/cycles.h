@@ -40,6 +40,7 @@ struct OrderedCycle {
   PartList pieces;
   std::vector<OrderedPart> order;  // back to front
   std::size_t cuts = 0;
+  bool gave_up = false;  // more cuts are needed than are allowed: there is no order
 };
 
 // Orders the members of a cycle, cutting some: in a small cycle one, where that is enough; otherwise by a BSP of the
@@ -47,6 +48,6 @@ struct OrderedCycle {
 // the plane is the one that cuts the fewest, and what it leaves on either side is taken apart into components again, so
 // that only cycles are ever cut. `members` come farthest first, `pairs` are all that hide each other.
 OrderedCycle order_cycle(const Points& base, const Viewpoint& from, std::vector<CycleMember> members,
-                         const std::vector<HidingPair>& pairs);
+                         const std::vector<HidingPair>& pairs, std::size_t most_cuts);
 
 }  // namespace facetsort::exact_internal

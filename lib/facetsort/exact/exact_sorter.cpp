@@ -456,7 +456,9 @@ void ExactSorter::State::fill_in_cycles() {
   if (cycles.empty()) return;
   std::vector<OrderedCycle> ordered;
   ordered.reserve(cycles.size());
-  for (std::size_t c = 0; c < cycles.size(); ++c) ordered.push_back({Points(&points), {}, {}, 0});
+  for (std::size_t c = 0; c < cycles.size(); ++c) ordered.push_back({Points(&points), {}, {}, 0, false});
+  const std::size_t limit = most_triangles();
+  const std::size_t most_cuts = limit > prepared_triangles ? (limit - prepared_triangles) / 2 : 0;
   tbb::combinable<unsigned long long> fallbacks;
   tbb::parallel_for(std::size_t{0}, cycles.size(), [&](std::size_t c) {
     const unsigned long long before = exact_fallbacks();
@@ -472,12 +474,11 @@ void ExactSorter::State::fill_in_cycles() {
         member.cuts.assign(parts.cuts_of(part).begin(), parts.cuts_of(part).end());
       }
     }
-    ordered[c] = order_cycle(points, screen.viewpoint(), std::move(members), cycles[c].pairs);
+    ordered[c] = order_cycle(points, screen.viewpoint(), std::move(members), cycles[c].pairs, most_cuts);
     fallbacks.local() += exact_fallbacks() - before;
   });
   fallbacks.combine_each([&](unsigned long long n) { statistics.predicate_fallbacks += n; });
 
-  const std::size_t limit = most_triangles();
   std::size_t triangles = prepared_triangles;
   filled_order.clear();
   std::map<PointDefinition, PointId> ids;
@@ -491,7 +492,7 @@ void ExactSorter::State::fill_in_cycles() {
     const Cycle& cycle = cycles[entry & ~cycle_mark];
     const OrderedCycle& result = ordered[entry & ~cycle_mark];
     const std::size_t added = 2 * count_new_corners(result.points, result.pieces, points_before);
-    if (triangles + added > limit) {
+    if (result.gave_up || triangles + added > limit) {
       for (const std::uint32_t element : cycle.elements) filled_order.push_back(elements.draw_id[element]);
       for (const HidingPair& pair : cycle.pairs) statistics.unordered_pairs += pair.first > pair.second;
       continue;

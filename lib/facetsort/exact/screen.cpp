@@ -123,7 +123,6 @@ void Screen::place_elements(const Points& points, const Elements& elements, std:
         std::fill_n(highest, box_dimensions, std::numeric_limits<float>::lowest());
         if (i < count) {
           const auto element = static_cast<std::uint32_t>(i);
-          float depths = 0;
           const auto slots = elements.slots(element);
           for (const std::uint32_t slot : slots) {
             const SeenPoint& p = seen_[slot];
@@ -132,10 +131,9 @@ void Screen::place_elements(const Points& points, const Elements& elements, std:
               lowest[d] = std::min(lowest[d], c[d]);
               highest[d] = std::max(highest[d], c[d]);
             }
-            depths += p.depth;
           }
-          const float key = depths / static_cast<float>(slots.size());
-          keys[elements.draw_id[i]] = std::clamp(key, lowest[3], highest[3]) + 0.0f;
+          // The same for duplicates, however their corners are turned round; + 0 for equal depths to have equal bits.
+          keys[elements.draw_id[i]] = 0.5f * lowest[3] + 0.5f * highest[3] + 0.0f;
           int facing = 0;
           if (elements.has_area[i]) facing = eye_side(points, elements.plane[i], elements.facet[i], viewpoint_.eye);
           facing_[i] = static_cast<std::int8_t>(facing);

@@ -198,8 +198,8 @@ class Triangulator {
       on_edge += definition.kind == PointDefinition::edge_and_plane && (id == definition.a || id == definition.b);
     }
     glm::dvec3 weight(0);
-    if (on_edge == 2) {
-      for (int i = 0; i < 3; ++i) {
+    if (on_edge >= 2) {  // 3 where two corners of a facet without area are one point
+      for (int i = 0; i < 3 && weight == glm::dvec3(0); ++i) {
         const int j = (i + 1) % 3;
         const PointId from = space_.corner(facet, i), to = space_.corner(facet, j);
         if (std::minmax({from, to}) != std::pair(definition.a, definition.b)) continue;
