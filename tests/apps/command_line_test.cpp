@@ -32,10 +32,11 @@ class CommandLine : public testing::Test {
 TEST_F(CommandLine, HelpTellsEveryVerbWithAWorkedExampleAndDefaults) {
   const std::pair<std::string, std::vector<std::string>> verbs[] = {
       {"inspect", {"--views N=6", "--size N|WxH=256", "--radii D=2.5"}},
-      {"order", {"--method M=centroid_distance", "[the centre of the mesh's box]"}},
+      {"order", {"--method M=centroid_distance", "--max-growth G=64", "[the centre of the mesh's box]"}},
       {"blend", {"--up X,Y,Z=0,1,0", "--fov DEGREES=45", "[perspective]", "--size N|WxH=512", "--format F=rgba32f"}},
       {"check", {"[1e-4 bounding radii]", "--size N|WxH=512"}},
-      {"compare", {"--views N=4", "--radii D=2.5", "--repeats N=5", "--format F=rgba32f", "[all]"}}};
+      {"compare", {"--views N=4", "--radii D=2.5", "--repeats N=5", "--format F=rgba32f", "[all]"}},
+      {"stability", {"in [16 - 4096]=192"}}};
   const Finished program = run_program({"--help"});
   EXPECT_EQ(program.status, 0);
   for (const auto& [verb, defaults] : verbs) {
@@ -69,7 +70,7 @@ TEST_F(CommandLine, TellsBadUsageInOneLine) {
     Arguments arguments;
     const char* said;
   } cases[] = {
-      {{}, "inspect, order, blend, check, compare"},
+      {{}, "inspect, order, blend, check, compare, stability"},
       {{"frobnicate"}, "frobnicate"},
       {order, "--eye"},
       {with(order, {"--eye", "1,2"}), "--eye: '1,2'"},
@@ -80,6 +81,9 @@ TEST_F(CommandLine, TellsBadUsageInOneLine) {
       {with(order, {"--eye", "0,0,5", "--fov", "wide"}), "--fov"},
       {with(order, {"--eye", "0,0,5", "--near", "0"}), "near"},
       {with(order, {"--eye", "0,0,5", "--method", "alphabetical"}), "alphabetical"},
+      {with(order, {"--eye", "0,0,5", "--method", "exact", "--max-growth", "0.9"}), "'0.9' is not a number of at least 1"},
+      {with(order, {"--eye", "0,0,5", "--method", "exact", "--max-growth", "nan"}), "--max-growth"},
+      {with(order, {"--eye", "0,0,5", "--max-growth", "2"}), "--method exact"},
       {with(order, {"--eye", "0,0,5", "--threads", "0"}), "--threads"},
       {with(order, {"--eye", "0,0,5", "--sideways"}), "--sideways"},
       {{"order", box_, "--eye", "0,0,5", "-o", path("out.txt")}, ".u32 or .ply"},
@@ -127,6 +131,7 @@ TEST_F(CommandLine, JsonIsOneDocumentAndNothingElse) {
   const std::vector<Arguments> commands{
       {"inspect", box_, "--json"},
       {"order", box_, "--eye", "1,2,5", "-o", path("out.u32"), "--json"},
+      {"order", box_, "--eye", "1,2,5", "-o", path("out.u32"), "--method", "exact", "--json"},
       {"blend", box_, "--strategy", "unsorted", "--eye", "1,2,5", "--size", "16", "-o", path("out.png"), "--json"},
       {"check", box_, "--order", path("out.u32"), "--eye", "1,2,5", "--size", "16", "--json"},
       {"compare", box_, "--views", "1", "--size", "16", "--repeats", "1", "--out", path("report"), "--json"}};

@@ -46,7 +46,8 @@ const std::set<std::string> row_keys{"mesh",
                                      "worst_backtrack",
                                      "embree_rays",
                                      "embree_inverted",
-                                     "embree_unjudged"};
+                                     "embree_unjudged",
+                                     "exact"};
 
 // The mesh several times over, every facet on top of others of its own.
 Mesh repeated(Mesh mesh, int times) {
@@ -85,6 +86,7 @@ TEST_F(Compare, WritesTheWholeReport) {
     std::set<std::string> keys;
     for (const auto& item : row.items()) keys.insert(item.key());
     EXPECT_EQ(keys, row_keys);
+    EXPECT_EQ(row.at("exact").is_object(), row.at("strategy") == "facet_sort:exact");
   }
   const std::string csv = file_bytes(report_ / "results.csv");
   EXPECT_EQ(static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')), rows.size() + 1);
@@ -142,6 +144,37 @@ TEST_F(Compare, JudgesShellsAsTheyAre) {
       EXPECT_TRUE(row.at("method").is_null());
     }
   }
+}
+
+TEST_F(Compare, TheExactOrderIsRightWhereFacetsCross) {
+  ASSERT_EQ(compare({pair_, "--views", "2", "--strategies", "facet_sort,facet_sort:exact"}).status, 0);
+  const Json document = results();
+  for (const Json& row : document.at("rows")) {
+    SCOPED_TRACE(row.dump());
+    if (row.at("strategy") == "facet_sort:exact") {
+      EXPECT_EQ(row.at("wrong_pixels"), 0);
+      EXPECT_EQ(row.at("inverted_pixels"), 0);
+      EXPECT_EQ(row.at("miscovered_pixels"), 0);
+      EXPECT_EQ(row.at("embree_inverted"), 0);
+      EXPECT_GT(row.at("pieces"), row.at("facets"));
+      EXPECT_GT(row.at("triangles_out"), row.at("pieces"));
+      EXPECT_EQ(row.at("exact").at("triangles"), row.at("triangles_out"));
+      EXPECT_GT(row.at("exact").at("crossing_pairs"), 10);
+    } else {
+      EXPECT_GT(row.at("wrong_pixels"), 0);
+      EXPECT_EQ(row.at("pieces"), row.at("facets"));
+    }
+  }
+}
+
+TEST_F(Compare, ThePageLeadsToAStabilityPageThatIsThere) {
+  const std::vector<std::string> arguments{shells_, "--views", "1", "--strategies", "unsorted"};
+  ASSERT_EQ(compare(arguments).status, 0);
+  EXPECT_EQ(file_bytes(report_ / "index.html").find("stability.html"), std::string::npos);
+  std::ofstream(report_ / "stability.html") << "a page";
+  ASSERT_EQ(compare(arguments).status, 0);
+  EXPECT_NE(file_bytes(report_ / "index.html").find("stability.html"), std::string::npos);
+  EXPECT_EQ(file_bytes(report_ / "stability.html"), "a page");
 }
 
 TEST_F(Compare, TakesTheStrategiesNamed) {

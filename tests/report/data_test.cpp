@@ -102,8 +102,31 @@ TEST(Json, HasTheDocumentedKeysInOrder) {
   for (const Json& row : json["rows"]) {
     keys.clear();
     for (const auto& [key, value] : row.items()) keys.push_back(key);
-    EXPECT_EQ(keys, row_keys());
+    std::vector<std::string> expected = row_keys();
+    expected.push_back("exact");
+    EXPECT_EQ(keys, expected);
   }
+}
+
+TEST(Json, HasTheStatisticsOfTheExactOrder) {
+  Comparison comparison = test::make_comparison();
+  comparison.rows.push_back(test::make_exact_row("cup", 0, 54321));
+  const Json json = written_json(comparison);
+  EXPECT_TRUE(json["rows"].front()["exact"].is_null());
+  const Json& exact = json["rows"].back()["exact"];
+  std::vector<std::string> keys, times;
+  for (const auto& [key, value] : exact.items()) keys.push_back(key);
+  for (const auto& [key, value] : exact["times_ms"].items()) times.push_back(key);
+  EXPECT_EQ(keys, (std::vector<std::string>{"crossing_pairs", "crossing_pairs_uncut", "prepared_cuts",
+                                            "prepared_pieces", "candidate_pairs", "constraints", "searches",
+                                            "components", "pieces_in_cycles", "largest_component", "view_cuts",
+                                            "unordered_pairs", "predicate_fallbacks", "pieces", "triangles",
+                                            "times_ms"}));
+  EXPECT_EQ(times, (std::vector<std::string>{"prepare", "project", "pairs", "order", "cut"}));
+  EXPECT_EQ(exact["crossing_pairs"], 7);
+  EXPECT_EQ(exact["candidate_pairs"], 54321);
+  EXPECT_EQ(exact["triangles"], 1030);
+  EXPECT_EQ(exact["times_ms"]["pairs"], 0.625);
 }
 
 TEST(Json, KeepsEveryValue) {

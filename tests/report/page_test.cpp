@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "facetsort/blend/strategy.h"
 #include "facetsort/report/plots.h"
 #include "facetsort/report/write_report.h"
 #include "report/sample.h"
@@ -129,6 +130,46 @@ TEST(Page, SaysWhatToTakeAndShowsEachMesh) {
   EXPECT_NE(page.find("No strategy is right on most meshes. The closest is <b>facet_"), std::string::npos);
   EXPECT_NE(page.find("No strategy stays under"), std::string::npos);                  // the second mesh
   EXPECT_NE(page.find("<title>novel: 0.0200 %, 3.60 ms</title>"), std::string::npos);  // a mark's tooltip
+}
+
+TEST(Page, TellsWhatTheExactOrderHadToDoInEachView) {
+  Comparison comparison = test::make_comparison();
+  EXPECT_EQ(written_page(comparison).find("What the exact order had to do"), std::string::npos);
+  comparison.rows.push_back(test::make_exact_row("cup", 0, 54321));
+  comparison.rows.push_back(test::make_exact_row("cup", 1, 65432));
+  const std::string page = written_page(comparison);
+  expect_well_formed(page);
+  EXPECT_EQ(occurrences(page, "What the exact order had to do"), 1u);
+  for (const char* said : {"<th scope=\"row\">view 1</th><td>7</td>", "<td>54,321</td>", "<td>65,432</td>",
+                           ">candidate pairs</th>", ">pairs<small>ms</small></th>", "<td>0.625</td>"}) {
+    EXPECT_NE(page.find(said), std::string::npos) << said;
+  }
+  // The table of all strategies, too.
+  EXPECT_NE(page.find("<td>1,010</td><td>1,030</td>"), std::string::npos);
+}
+
+TEST(Page, EveryStrategyHasAMarkOfItsOwn) {
+  Comparison comparison;
+  for (const Strategy& strategy : all_strategies()) {
+    comparison.rows.push_back(test::make_row("cup", 0, strategy.name(), 0.1, 1));
+  }
+  const std::string page = written_page(comparison);
+  const std::size_t legend = page.find("<ul class=\"legend\"");
+  const std::string items = page.substr(legend, page.find("</ul>", legend) - legend);
+  std::set<std::string> marks;
+  for (const Tag& tag : read_tags("<html>" + items)) {
+    if (tag.name == "use") marks.insert(tag.attributes.at("href") + tag.attributes.at("color"));
+  }
+  EXPECT_EQ(marks.size(), all_strategies().size());
+}
+
+TEST(Page, LeadsToTheStabilityPageBesideIt) {
+  Comparison comparison = test::make_comparison();
+  EXPECT_EQ(written_page(comparison).find("stability.html"), std::string::npos);
+  comparison.has_stability_page = true;
+  const std::string page = written_page(comparison);
+  expect_well_formed(page);
+  EXPECT_EQ(occurrences(page, "<a href=\"stability.html\">"), 1u);
 }
 
 TEST(Page, NeedsNoNetwork) {

@@ -108,4 +108,19 @@ inline Comparison make_comparison(const std::string& first_mesh = "cup", const s
   return comparison;
 }
 
+// The exact order of a mesh of the comparison in a view; `candidate_pairs` tells rows apart.
+inline Row make_exact_row(const std::string& mesh, int view, std::size_t candidate_pairs) {
+  Row row = make_row(mesh, view, "facet_sort:exact", 0, 4);
+  row.method = "exact";
+  row.pieces = 1010;
+  row.triangles_out = 1030;
+  row.exact.emplace();
+  row.exact->crossing_pairs = 7;
+  row.exact->candidate_pairs = candidate_pairs;
+  row.exact->pieces = 1010;
+  row.exact->triangles = 1030;
+  row.exact->pairs_ms = 0.625;
+  return row;
+}
+
 }  // namespace facetsort::test
