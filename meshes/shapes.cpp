@@ -90,6 +90,36 @@ std::uint32_t midpoint(Mesh& mesh, std::map<std::pair<std::uint32_t, std::uint32
   return entry->second;
 }
 
+// Numbers in [0, 1). The standard leaves the distributions to each library: 24 of the generator's bits are the same
+// everywhere.
+class UniformNumbers {
+ public:
+  explicit UniformNumbers(std::uint32_t seed) : random_(seed) {}
+  float next() { return static_cast<float>(random_() >> 8) * 0x1p-24f; }
+  glm::vec3 next_point() {
+    const float x = next(), y = next(), z = next();
+    return {x, y, z};
+  }
+
+ private:
+  std::mt19937 random_;
+};
+
+void append_triangle(Mesh& mesh, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
+  const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+  mesh.positions.insert(mesh.positions.end(), {a, b, c});
+  mesh.triangles.push_back({first, first + 1, first + 2});
+}
+
+// Quads between successive pairs of vertices, two a step, from `first` on.
+void append_ribbon(Mesh& mesh, std::uint32_t first, int quads) {
+  for (int i = 0; i < quads; ++i) {
+    const std::uint32_t right = first + 2 * static_cast<std::uint32_t>(i), left = right + 1;
+    mesh.triangles.push_back({right, right + 2, left + 2});
+    mesh.triangles.push_back({right, left + 2, left});
+  }
+}
+
 }  // namespace
 
 Mesh torus_knot(std::size_t facets, int p, int q) {
@@ -203,15 +233,115 @@ Mesh many_scales() {
 }
 
 Mesh soup(std::size_t n, std::uint32_t seed) {
-  std::mt19937 random(seed);
-  // The standard leaves the distributions to each library: 24 of the generator's bits are the same everywhere.
-  const auto uniform = [&] { return static_cast<float>(random() >> 8) * 0x1p-24f; };
+  UniformNumbers uniform(seed);
   Mesh mesh;
-  for (std::size_t i = 0; i < 3 * n; ++i) {
-    const float x = uniform(), y = uniform(), z = uniform();
-    mesh.positions.emplace_back(x, y, z);
-  }
+  for (std::size_t i = 0; i < 3 * n; ++i) mesh.positions.push_back(uniform.next_point());
   for (std::uint32_t i = 0; i < n; ++i) mesh.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+  return mesh;
+}
+
+Mesh scattered(std::size_t n, float size, std::uint32_t seed) {
+  assert(size > 0);
+  UniformNumbers uniform(seed);
+  Mesh mesh;
+  for (std::size_t i = 0; i < n; ++i) {
+    const glm::vec3 centre = uniform.next_point();
+    glm::vec3 corner[3];
+    for (glm::vec3& p : corner) p = centre + size * (uniform.next_point() - 0.5f);
+    append_triangle(mesh, corner[0], corner[1], corner[2]);
+  }
+  return mesh;
+}
+
+Mesh woven_mat(int n) {
+  assert(n >= 2);
+  constexpr float half_width = 0.2f, height = 0.1f;  // where each passes over the other they are 0.12 apart and more
+  Mesh mesh;
+  for (const bool along_x : {true, false}) {
+    for (int ribbon = 0; ribbon < n; ++ribbon) {
+      const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+      for (int crossing = 0; crossing < n; ++crossing) {
+        const bool over = ((ribbon + crossing) % 2 == 0) == along_x;
+        for (const float side : {-half_width, half_width}) {
+          const float along = static_cast<float>(crossing);
+          const float across = static_cast<float>(ribbon) + (along_x ? side : -side);
+          mesh.positions.emplace_back(along_x ? along : across, along_x ? across : along, over ? height : -height);
+        }
+      }
+      append_ribbon(mesh, first, n - 1);
+    }
+  }
+  return mesh;
+}
+
+Mesh comb(int n) {
+  assert(n >= 1);
+  Mesh mesh;
+  // A tooth falls along z = 0.2 - y: over the first bar, at y = 0 and z = 0, and under the second, at z = -0.1.
+  const double spacing = 1.0 / n, width = 0.4 * spacing;
+  for (int i = 0; i < n; ++i) {
+    const double x = (i + 0.5) * spacing;
+    append_triangle(mesh, glm::dvec3(x - width / 2, -0.2, 0.4), glm::dvec3(x + width / 2, -0.2, 0.4),
+                    glm::dvec3(x, 1.2, -1));
+  }
+  append_triangle(mesh, glm::vec3(-0.2f, -0.05f, 0), glm::vec3(3, 0, 0), glm::vec3(-0.2f, 0.05f, 0));
+  // Over the teeth where y is above 0.4, then across the first bar, at x = 2.1.
+  append_triangle(mesh, glm::vec3(-0.2f, 0.9f, -0.1f), glm::vec3(2.4f, -0.1f, -0.1f), glm::vec3(-0.2f, 1, -0.1f));
+  return mesh;
+}
+
+Mesh scroll(int turns, int facets_per_turn) {
+  assert(turns >= 1 && facets_per_turn >= 6 && facets_per_turn % 2 == 0);
+  const int quads = turns * facets_per_turn / 2;
+  Mesh mesh;
+  for (int i = 0; i <= quads; ++i) {
+    const double angle = 4 * pi * i / facets_per_turn;
+    const double radius = (turns + angle / (2 * pi)) / (2 * turns);  // so that the sheet keeps clear of the axis
+    for (const double z : {-1.0, 1.0}) {
+      mesh.positions.push_back(glm::vec3(glm::dvec3(radius * std::cos(angle), radius * std::sin(angle), z)));
+    }
+  }
+  append_ribbon(mesh, 0, quads);
+  return mesh;
+}
+
+Mesh coplanar(std::size_t n, std::uint32_t seed) {
+  UniformNumbers uniform(seed);
+  const auto point = [&] {
+    const float x = std::floor(uniform.next() * 0x1p10f) * 0x1p-10f, y = std::floor(uniform.next() * 0x1p10f) * 0x1p-10f;
+    return glm::vec3(x, y, x / 2 + y / 4);  // few enough bits to be exact
+  };
+  Mesh mesh;
+  while (mesh.triangles.size() < n) {
+    const glm::vec3 a = point(), b = point(), c = point();
+    const glm::vec3 u = b - a, v = c - a;
+    if (u.x * v.y != u.y * v.x) append_triangle(mesh, a, b, c);  // exact: products of 11 bits
+  }
+  return mesh;
+}
+
+Mesh duplicated_grid(int n, int copies) {
+  assert(n >= 1 && copies >= 1);
+  Mesh mesh;
+  const auto vertex = [n](int x, int y) { return static_cast<std::uint32_t>(y * (n + 1) + x); };
+  for (int y = 0; y <= n; ++y) {
+    for (int x = 0; x <= n; ++x) mesh.positions.emplace_back(static_cast<float>(x), static_cast<float>(y), 0.0f);
+  }
+  for (int y = 0; y < n; ++y) {
+    for (int x = 0; x < n; ++x) {
+      mesh.triangles.push_back({vertex(x, y), vertex(x + 1, y), vertex(x + 1, y + 1)});
+      mesh.triangles.push_back({vertex(x, y), vertex(x + 1, y + 1), vertex(x, y + 1)});
+    }
+  }
+  const std::size_t facets = mesh.triangles.size();
+  for (int copy = 1; copy < copies; ++copy) {
+    for (std::size_t f = 0; f < facets; ++f) {
+      const glm::uvec3 t = mesh.triangles[f];
+      const int turn = copy % 3;
+      const glm::uvec3 turned(t[turn], t[(turn + 1) % 3], t[(turn + 2) % 3]);
+      mesh.triangles.push_back(copy % 2 == 0 ? turned : glm::uvec3(turned.x, turned.z, turned.y));
+    }
+  }
   return mesh;
 }
 

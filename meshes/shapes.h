@@ -48,6 +48,34 @@ Mesh many_scales();
 // n triangles with corners uniform in the unit cube, not sharing vertices. Deterministic in `seed` on every machine.
 Mesh soup(std::size_t n, std::uint32_t seed);
 
+// n triangles about `size` across with centres uniform in the unit cube, not sharing vertices: the smaller, the fewer
+// cross. Deterministic in `seed` on every machine.
+// Precondition: size > 0.
+Mesh scattered(std::size_t n, float size, std::uint32_t seed);
+
+// A plain weave of n by n ribbons, over and under in turn, in quads from crossing to crossing: 4 n (n - 1) facets that
+// do not touch but along their ribbon. Seen from +z the four quads around each opening hide each other in a cycle, and
+// neighbours share a quad: all are one strongly connected component.
+// Precondition: n >= 2.
+Mesh woven_mat(int n);
+
+// n long teeth, a bar that they pass over and a bar that they pass under, which in turn passes under the first: seen
+// from +z all n + 2 triangles are one component, and each tooth makes a cycle of three with the bars. They do not touch.
+// The teeth come first. Precondition: n >= 1.
+Mesh comb(int n);
+
+// A sheet rolled up `turns` times, an Archimedean spiral of radius 1 around the axis z, 2 high, in long facets from end
+// to end, facets_per_turn to each turn. Preconditions: turns >= 1; facets_per_turn >= 6 and even.
+Mesh scroll(int turns, int facets_per_turn);
+
+// n triangles that overlap in one plane exactly: z = x / 2 + y / 4, x and y multiples of 2^-10 in [0, 1), wound either
+// way; none is degenerate. Deterministic in `seed` on every machine.
+Mesh coplanar(std::size_t n, std::uint32_t seed);
+
+// A square of n by n cells on the plane z = 0, 2 n^2 facets, and then `copies` - 1 times all of them again, corners
+// turned round and every other copy wound the other way. Preconditions: n >= 1; copies >= 1.
+Mesh duplicated_grid(int n, int copies);
+
 // Box of side 2 around the origin: 12 facets.
 Mesh box();
 

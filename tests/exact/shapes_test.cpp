@@ -249,6 +249,116 @@ TEST(Soup, FollowsItsSeed) {
   for (int axis = 0; axis < 3; ++axis) EXPECT_NEAR(mean[axis], 0.5, 6 * std::sqrt(1.0 / 12 / 3000));
 }
 
+TEST(Scattered, HasTrianglesOfItsSizeAndFollowsItsSeed) {
+  const Mesh mesh = scattered(2000, 0.05f, 5);
+  ASSERT_TRUE(validate(mesh.view()).ok());
+  ASSERT_EQ(mesh.triangles.size(), 2000u);
+  EXPECT_EQ(mesh.positions, scattered(2000, 0.05f, 5).positions);
+  EXPECT_NE(mesh.positions, scattered(2000, 0.05f, 6).positions);
+  for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
+    for (int i = 0; i < 3; ++i) {
+      const glm::vec3 edge = glm::abs(mesh.view().corner(f, i) - mesh.view().corner(f, (i + 1) % 3));
+      EXPECT_TRUE(glm::all(glm::lessThan(edge, glm::vec3(0.0501f))));
+    }
+  }
+  EXPECT_LT(inspect_geometry(mesh.view()).intersecting_pairs,
+            inspect_geometry(scattered(2000, 0.2f, 5).view()).intersecting_pairs);
+}
+
+TEST(WovenMat, PassesOverAndUnderInTurn) {
+  for (const int n : {2, 3, 8}) {
+    const Mesh mesh = woven_mat(n);
+    const std::size_t quads = static_cast<std::size_t>(n - 1), ribbons = static_cast<std::size_t>(2 * n);
+    ASSERT_EQ(mesh.triangles.size(), 2 * quads * ribbons);
+    EXPECT_EQ(inspect(mesh.view()).components, ribbons);
+    EXPECT_TRUE(inspect(mesh.view()).oriented);
+    EXPECT_EQ(inspect_geometry(mesh.view()).intersecting_pairs, 0u);
+    for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
+      EXPECT_EQ(normal_sign(mesh.view().corner(f, 0), mesh.view().corner(f, 1), mesh.view().corner(f, 2), 2), 1);
+    }
+    // The quads around an opening, each over the one before it.
+    const auto quad_along_x = [&](std::size_t ribbon, std::size_t at) { return ribbon * quads + at; };
+    const auto quad_along_y = [&](std::size_t ribbon, std::size_t at) { return ribbons / 2 * quads + ribbon * quads + at; };
+    for (std::size_t x = 0; x < quads; ++x) {
+      for (std::size_t y = 0; y < quads; ++y) {
+        std::size_t around[] = {quad_along_x(y, x), quad_along_y(x, y), quad_along_x(y + 1, x), quad_along_y(x + 1, y)};
+        if ((x + y) % 2 == 1) std::swap(around[1], around[3]);
+        for (int k = 0; k < 4; ++k) {
+          const auto [above, below] = crossings(mesh, 2, around[k], around[(k + 1) % 4]);
+          EXPECT_GT(above, 0) << x << ' ' << y << ' ' << k;
+          EXPECT_EQ(below, 0) << x << ' ' << y << ' ' << k;
+        }
+      }
+    }
+  }
+}
+
+TEST(Comb, TiesEachToothToBothBars) {
+  for (const std::size_t n : {1, 4, 40}) {
+    const Mesh mesh = comb(static_cast<int>(n));
+    ASSERT_EQ(mesh.triangles.size(), n + 2);
+    EXPECT_EQ(inspect_geometry(mesh.view()).intersecting_pairs, 0u);
+    const std::size_t upper = n, lower = n + 1;  // bars
+    const auto expect_over = [&](std::size_t one, std::size_t other) {
+      const auto [above, below] = crossings(mesh, 1, one, other);
+      EXPECT_GT(above, 0) << one << ' ' << other;
+      EXPECT_EQ(below, 0) << one << ' ' << other;
+    };
+    expect_over(upper, lower);
+    for (std::size_t tooth = 0; tooth < n; ++tooth) {
+      expect_over(tooth, upper);
+      expect_over(lower, tooth);
+      if (tooth == 0) continue;
+      EXPECT_EQ(crossings(mesh, 1, tooth - 1, tooth), (std::pair{0, 0}));
+    }
+  }
+}
+
+TEST(Scroll, WindsAroundTheAxis) {
+  for (const auto& [turns, facets_per_turn] : {std::pair{1, 6}, {5, 30}}) {
+    const Mesh mesh = scroll(turns, facets_per_turn);
+    ASSERT_EQ(mesh.triangles.size(), static_cast<std::size_t>(turns * facets_per_turn));
+    EXPECT_EQ(inspect(mesh.view()).components, 1u);
+    EXPECT_TRUE(inspect(mesh.view()).oriented);
+    EXPECT_EQ(inspect_geometry(mesh.view()).intersecting_pairs, 0u);
+    double angle = 0;
+    for (std::size_t f = 0; f < mesh.triangles.size(); f += 2) {
+      const glm::dvec3 a(mesh.view().corner(f, 0)), b(mesh.view().corner(f, 1)), c(mesh.view().corner(f, 2));
+      EXPECT_GT(glm::dot(glm::dvec2(glm::cross(b - a, c - a)), glm::dvec2(a)), 0);  // outwards
+      angle += std::acos(glm::dot(glm::normalize(glm::dvec2(a)), glm::normalize(glm::dvec2(b))));
+    }
+    EXPECT_NEAR(angle, turns * 2 * std::acos(-1.0), 1e-5);
+    for (const glm::vec3& p : mesh.positions) EXPECT_LT(glm::length(glm::vec2(p)), 1.0001f);
+  }
+}
+
+TEST(Coplanar, LiesInOnePlaneExactly) {
+  const Mesh mesh = coplanar(300, 2);
+  ASSERT_EQ(mesh.triangles.size(), 300u);
+  EXPECT_EQ(inspect_geometry(mesh.view()).degenerate_facets, 0u);
+  EXPECT_GT(inspect_geometry(mesh.view()).intersecting_pairs, 1000u);
+  int front = 0;
+  for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
+    const glm::vec3 a = mesh.view().corner(f, 0), b = mesh.view().corner(f, 1), c = mesh.view().corner(f, 2);
+    front += normal_sign(a, b, c, 2) > 0;
+    for (const glm::vec3& p : mesh.positions) ASSERT_EQ(orientation(a, b, c, p), 0);
+  }
+  EXPECT_TRUE(front > 100 && front < 200) << front;
+}
+
+TEST(DuplicatedGrid, RepeatsEveryFacetInEitherWinding) {
+  const Mesh mesh = duplicated_grid(4, 5);
+  const std::size_t facets = 2 * 4 * 4;
+  ASSERT_EQ(mesh.triangles.size(), 5 * facets);
+  EXPECT_EQ(inspect(mesh.view()).duplicate_facets, 4 * facets);
+  for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
+    const glm::uvec3 t = mesh.triangles[f], original = mesh.triangles[f % facets];
+    for (int i = 0; i < 3; ++i) EXPECT_TRUE(t[i] == original.x || t[i] == original.y || t[i] == original.z);
+    const int sign = normal_sign(mesh.view().corner(f, 0), mesh.view().corner(f, 1), mesh.view().corner(f, 2), 2);
+    EXPECT_EQ(sign, f / facets % 2 == 0 ? 1 : -1);
+  }
+}
+
 TEST(Box, IsTheCubeOfSideTwo) {
   const Mesh mesh = box();
   expect_closed_and_clean(mesh, 1);
