@@ -1,0 +1,226 @@
+// Strongly connected components, and cycles that are cut until they are none.
+#include "facetsort/exact/cycles.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <random>
+
+#include "facetsort/exact/positions.h"
+#include "facetsort/exact/predicates.h"
+#include "shapes.h"
+
+namespace facetsort::exact_internal {
+namespace {
+
+using Graph = std::vector<std::vector<std::uint32_t>>;
+using Components = std::vector<std::vector<std::uint32_t>>;
+
+TEST(OrderedComponents, OfSmallGraphs) {
+  EXPECT_EQ(ordered_components(Graph{}), Components{});
+  EXPECT_EQ(ordered_components(Graph{{}, {}, {}}), (Components{{0}, {1}, {2}}));
+  EXPECT_EQ(ordered_components(Graph{{1}, {2}, {}}), (Components{{2}, {1}, {0}}));
+  EXPECT_EQ(ordered_components(Graph{{1}, {2}, {0}}), (Components{{0, 1, 2}}));
+  EXPECT_EQ(ordered_components(Graph{{0}}), (Components{{0}}));
+  // 3 and 1 hide each other; 0 is before them and 2 behind.
+  EXPECT_EQ(ordered_components(Graph{{1}, {3, 2}, {}, {1}}), (Components{{2}, {1, 3}, {0}}));
+}
+
+TEST(OrderedComponents, AreThoseOfReachability) {
+  std::mt19937 random(2);
+  for (int i = 0; i < 300; ++i) {
+    const std::uint32_t count = 1 + static_cast<std::uint32_t>(random()) % 30;
+    Graph behind(count);
+    for (std::uint32_t edge = static_cast<std::uint32_t>(random()) % (2 * count); edge > 0; --edge) {
+      const auto from = random() % count, to = random() % count;
+      behind[from].push_back(static_cast<std::uint32_t>(to));
+    }
+    std::vector<std::vector<bool>> reaches(count, std::vector<bool>(count));
+    for (std::uint32_t a = 0; a < count; ++a) {
+      reaches[a][a] = true;
+      for (const std::uint32_t b : behind[a]) reaches[a][b] = true;
+    }
+    for (std::uint32_t via = 0; via < count; ++via) {
+      for (std::uint32_t a = 0; a < count; ++a) {
+        for (std::uint32_t b = 0; b < count; ++b) {
+          if (reaches[a][via] && reaches[via][b]) reaches[a][b] = true;
+        }
+      }
+    }
+    const Components components = ordered_components(behind);
+    std::vector<std::size_t> place(count, count);
+    for (std::size_t c = 0; c < components.size(); ++c) {
+      EXPECT_TRUE(std::is_sorted(components[c].begin(), components[c].end()));
+      for (const std::uint32_t node : components[c]) {
+        ASSERT_EQ(place[node], count);
+        place[node] = c;
+      }
+    }
+    for (std::uint32_t a = 0; a < count; ++a) {
+      ASSERT_LT(place[a], count);
+      for (std::uint32_t b = 0; b < count; ++b) {
+        ASSERT_EQ(place[a] == place[b], reaches[a][b] && reaches[b][a]);
+        if (reaches[a][b]) {
+          ASSERT_LE(place[b], place[a]);
+        }
+      }
+    }
+  }
+}
+
+// A recursive algorithm would overflow its stack.
+TEST(OrderedComponents, GoDeep) {
+  constexpr std::uint32_t count = 500'000;
+  Graph chain(count), ring(count);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    if (i + 1 < count) chain[i] = {i + 1};
+    ring[i] = {(i + 1) % count};
+  }
+  EXPECT_EQ(ordered_components(chain).size(), count);
+  EXPECT_EQ(ordered_components(ring).size(), 1u);
+}
+
+// All facets of a mesh as members of one cycle, and every pair that hides one another.
+class CycleOf {
+ public:
+  CycleOf(Mesh mesh, const Viewpoint& from) : mesh_(std::move(mesh)), from_(from), points_(prepared()) {
+    for (FacetId f = 0; f < mesh_.triangles.size(); ++f) {
+      const MeshView view = mesh_.view();
+      const int facing = side_of_plane(view.corner(f, 0), view.corner(f, 1), view.corner(f, 2), from.eye);
+      members_.push_back({f, facing, whole_facet(space_, f).corners, {}});
+    }
+    for (std::uint32_t a = 0; a < members_.size(); ++a) {
+      for (std::uint32_t b = 0; b < a; ++b) {
+        const Hiding relation = relation_of(points_, members_[a], members_[b]);
+        if (relation == Hiding::first_behind_second) pairs_.push_back({a, b});
+        if (relation == Hiding::second_behind_first) pairs_.push_back({b, a});
+      }
+    }
+  }
+  CycleOf(const CycleOf&) = delete;
+
+  OrderedCycle order(std::size_t most_cuts) const { return order_cycle(points_, from_, members_, pairs_, most_cuts); }
+
+  const std::vector<HidingPair>& pairs() const { return pairs_; }
+  bool has_cycle() const {
+    Graph behind(members_.size());
+    for (const HidingPair& pair : pairs_) behind[pair.second].push_back(pair.first);
+    return ordered_components(behind).size() < members_.size();
+  }
+
+  // Nothing comes after what it should hide behind, and each member comes whole or in pieces that cuts leave.
+  void expect_ordered(const OrderedCycle& cycle) const {
+    EXPECT_FALSE(cycle.gave_up);
+    std::vector<CycleMember> parts;
+    std::vector<std::size_t> whole(members_.size()), pieces(members_.size());
+    for (const OrderedPart& part : cycle.order) {
+      parts.push_back(members_.at(part.member));
+      ++(part.is_whole ? whole : pieces)[part.member];
+      if (part.is_whole) continue;
+      const Part& piece = cycle.pieces.parts.at(part.piece);
+      ASSERT_EQ(piece.facet, parts.back().facet);
+      const auto corners = cycle.pieces.corners_of(piece);
+      parts.back().corners.assign(corners.begin(), corners.end());
+      ASSERT_GE(corners.size(), 3u);
+      ASSERT_GT(piece.cut_count, 0u);
+      for (const Cut& cut : cycle.pieces.cuts_of(piece)) {
+        for (const PartCorner& corner : corners) ASSERT_GE(cycle.points.side(cut.plane, corner.point) * cut.side, 0);
+      }
+    }
+    std::size_t cut_members = 0, all_pieces = 0;
+    for (std::size_t m = 0; m < members_.size(); ++m) {
+      ASSERT_TRUE((whole[m] == 1 && pieces[m] == 0) || (whole[m] == 0 && pieces[m] >= 2)) << m;
+      cut_members += whole[m] == 0;
+      all_pieces += pieces[m];
+    }
+    EXPECT_EQ(all_pieces, cut_members + cycle.cuts);
+    for (std::size_t early = 0; early < parts.size(); ++early) {
+      for (std::size_t late = early + 1; late < parts.size(); ++late) {
+        ASSERT_NE(relation_of(cycle.points, parts[early], parts[late]), Hiding::second_behind_first)
+            << early << ' ' << late;
+      }
+    }
+  }
+
+ private:
+  const PointSpace& prepared() {
+    space_.mesh = mesh_.view();
+    space_.position_of_vertex = identify_positions(mesh_.view());
+    space_.plane_of_facet.resize(mesh_.triangles.size());
+    std::iota(space_.plane_of_facet.begin(), space_.plane_of_facet.end(), FacetId{0});
+    space_.faces_away.assign(mesh_.triangles.size(), 0);
+    space_.find_facets_around();
+    return space_;
+  }
+
+  Hiding relation_of(const Points& points, const CycleMember& a, const CycleMember& b) const {
+    std::vector<PointId> loops[2];
+    for (const PartCorner& corner : a.corners) loops[0].push_back(corner.point);
+    for (const PartCorner& corner : b.corners) loops[1].push_back(corner.point);
+    return hiding(points, from_, {a.facet, a.facing, loops[0]}, {b.facet, b.facing, loops[1]});
+  }
+
+  Mesh mesh_;
+  Viewpoint from_;
+  PointSpace space_;
+  Points points_;
+  std::vector<CycleMember> members_;
+  std::vector<HidingPair> pairs_;
+};
+
+constexpr std::size_t no_limit = 1'000'000;
+const Viewpoint above[] = {{Eye(0, 0, 4, 1), false}, {Eye(0, 0, 1, 0), false}, {Eye(0, 0, 4, 1), true}};
+
+TEST(OrderCycle, CutsTheClassicThreeOnce) {
+  for (const Viewpoint& from : above) {
+    const CycleOf three(shapes::triangle_cycle(3), from);
+    ASSERT_TRUE(three.has_cycle());
+    EXPECT_EQ(three.pairs().size(), 3u);
+    const OrderedCycle ordered = three.order(no_limit);
+    three.expect_ordered(ordered);
+    EXPECT_EQ(ordered.cuts, 1u);
+    EXPECT_EQ(ordered.order.size(), 4u);
+  }
+}
+
+TEST(OrderCycle, OrdersLargerOnes) {
+  for (const Viewpoint& from : above) {
+    for (const int n : {4, 9, 40}) {
+      const CycleOf ring(shapes::triangle_cycle(n), from);
+      ASSERT_TRUE(ring.has_cycle());
+      const OrderedCycle ordered = ring.order(no_limit);
+      ring.expect_ordered(ordered);
+      EXPECT_GE(ordered.cuts, 1u);
+      EXPECT_LE(ordered.cuts, 8u);
+    }
+  }
+  const CycleOf comb(shapes::comb(20), {Eye(1, 0.5f, 5, 1), false});
+  ASSERT_TRUE(comb.has_cycle());
+  comb.expect_ordered(comb.order(no_limit));
+  const CycleOf mat(shapes::woven_mat(3), {Eye(1, 1, 6, 1), false});
+  ASSERT_TRUE(mat.has_cycle());
+  mat.expect_ordered(mat.order(no_limit));
+}
+
+TEST(OrderCycle, GivesUpWhereTooManyCutsAreNeeded) {
+  const CycleOf three(shapes::triangle_cycle(3), above[0]);
+  EXPECT_TRUE(three.order(0).gave_up);
+  EXPECT_FALSE(three.order(1).gave_up);
+  const CycleOf mat(shapes::woven_mat(4), {Eye(1.5f, 1.5f, 8, 1), false});
+  EXPECT_TRUE(mat.order(3).gave_up);
+}
+
+TEST(OrderCycle, IsTheSameEachTime) {
+  const CycleOf mat(shapes::woven_mat(4), {Eye(1.5f, 1.5f, 8, 1), false});
+  const OrderedCycle first = mat.order(no_limit), second = mat.order(no_limit);
+  ASSERT_EQ(first.order.size(), second.order.size());
+  for (std::size_t i = 0; i < first.order.size(); ++i) {
+    EXPECT_EQ(first.order[i].member, second.order[i].member);
+    EXPECT_EQ(first.order[i].is_whole, second.order[i].is_whole);
+  }
+  EXPECT_EQ(first.cuts, second.cuts);
+}
+
+}  // namespace
+}  // namespace facetsort::exact_internal
