@@ -35,7 +35,7 @@ Mesh lattice() {
   for (int i = 0; i < 27; ++i) mesh.positions.push_back(glm::vec3(glm::ivec3(i % 3, i / 3 % 3, i / 9)));
   std::uint32_t state = 1;
   const auto vertex = [&] { return (state = state * 1664525u + 1013904223u) / 65536u % 27u; };
-  for (int f = 0; f < 40; ++f) mesh.triangles.push_back(glm::uvec3{vertex(), vertex(), vertex()});
+  for (int f = 0; f < 24; ++f) mesh.triangles.push_back(glm::uvec3{vertex(), vertex(), vertex()});
   return mesh;
 }
 
@@ -50,12 +50,12 @@ const std::vector<NamedMesh>& meshes() {
     made.push_back({"interpenetrating", shapes::interpenetrating(2)});
     made.push_back({"woven_mat", shapes::woven_mat(6)});
     made.push_back({"comb", shapes::comb(12)});
-    made.push_back({"soup", shapes::soup(24, 2)});
+    made.push_back({"soup", shapes::soup(16, 2)});
     made.push_back({"scattered", shapes::scattered(600, 0.15f, 3)});
     made.push_back({"lattice", lattice()});
     made.push_back({"coplanar", shapes::coplanar(60, 4)});
     made.push_back({"duplicated_grid", shapes::duplicated_grid(5, 4)});
-    made.push_back({"sliver_fan", shapes::sliver_fan(200, 1e5f)});
+    made.push_back({"sliver_fan", shapes::sliver_fan(100, 1e5f)});
     return made;
   }();
   return list;
