@@ -6,6 +6,10 @@ namespace facetsort::bench {
 
 // sort/METHOD/MESH: facet ids. sort_indices/METHOD/MESH: the reordered index buffer.
 void register_sort_benchmarks();
+// exact/MESH: the exact order, cuts included.
+void register_exact_benchmarks();
+// vtk_depth_sort/MESH: VTK's own, where the build found VTK.
+void register_vtk_benchmarks();
 // draw/FORMAT/MESH: the blend target at 1024 x 1024, facets already in order.
 void register_draw_benchmarks();
 // collect_fragments/MESH: per-pixel lists at 512 x 512.

@@ -35,6 +35,10 @@ int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   facetsort::bench::register_sort_benchmarks();
+  facetsort::bench::register_exact_benchmarks();
+#ifdef FACETSORT_BENCH_VTK
+  facetsort::bench::register_vtk_benchmarks();
+#endif
   facetsort::bench::register_draw_benchmarks();
   facetsort::bench::register_fragment_benchmarks();
   std::unique_ptr<benchmark::BenchmarkReporter> shown(benchmark::CreateDefaultDisplayReporter());

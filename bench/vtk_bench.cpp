@@ -1,0 +1,67 @@
+// vtkDepthSortPolyData, what VTK offers to put translucent triangles in order: by a point of each facet, approximately.
+// Timed until its output holds the cells in order, all its own copying included; it runs on one thread.
+#include <benchmark/benchmark.h>
+#include <vtkCamera.h>
+#include <vtkCellArray.h>
+#include <vtkDepthSortPolyData.h>
+#include <vtkNew.h>
+#include <vtkPoints.h>
+#include <vtkPolyData.h>
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "benchmarks.h"
+#include "subjects.h"
+
+namespace facetsort::bench {
+namespace {
+
+void sort_frames(benchmark::State& state, const Subject& subject) {
+  const Mesh& mesh = subject.mesh();
+  vtkNew<vtkPoints> points;
+  for (const glm::vec3& p : mesh.positions) points->InsertNextPoint(p.x, p.y, p.z);
+  vtkNew<vtkCellArray> cells;
+  for (const glm::uvec3& t : mesh.triangles) {
+    const vtkIdType corners[3] = {t.x, t.y, t.z};
+    cells->InsertNextCell(3, corners);
+  }
+  vtkNew<vtkPolyData> data;
+  data->SetPoints(points);
+  data->SetPolys(cells);
+  vtkNew<vtkCamera> camera;
+  vtkNew<vtkDepthSortPolyData> sort;
+  sort->SetInputData(data);
+  sort->SetCamera(camera);
+  sort->SetDirectionToBackToFront();
+  const std::vector<View> frames = frames_around(mesh, 1);
+  std::size_t frame = 0;
+  for (auto _ : state) {
+    const View& view = frames[frame++ % frames.size()];
+    camera->SetPosition(view.eye.x, view.eye.y, view.eye.z);
+    camera->SetFocalPoint(view.at.x, view.at.y, view.at.z);
+    sort->Modified();
+    sort->Update();
+    benchmark::DoNotOptimize(sort->GetOutput());
+  }
+  if (sort->GetOutput()->GetNumberOfPolys() != static_cast<vtkIdType>(mesh.triangles.size())) {
+    state.SkipWithError("facets are missing");
+  }
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(mesh.triangles.size()));
+}
+
+}  // namespace
+
+void register_vtk_benchmarks() {
+  std::vector<Subject> subjects = shipped_meshes();
+  for (const Subject& knot : knots(10000, 1000000)) subjects.push_back(knot);
+  for (const Subject& subject : subjects) {
+    benchmark::RegisterBenchmark(("vtk_depth_sort/" + subject.name()).c_str(), sort_frames, subject)
+        ->UseRealTime()
+        ->Unit(benchmark::kMillisecond);
+  }
+}
+
+}  // namespace facetsort::bench
