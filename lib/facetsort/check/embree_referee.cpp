@@ -92,7 +92,10 @@ void remember_error(void* user, RTCError code, const char* message) {
 
 // A ray with an orthonormal frame across it.
 struct FramedRay {
-  explicit FramedRay(const Ray& r) : ray(r) {
+  FramedRay(const Ray& r, bool perspective) : ray(r) {
+    // In perspective the origin is the eye; in an orthographic view it was computed, and rounded twice.
+    const glm::dvec3 o = glm::abs(r.origin);
+    if (!perspective) origin_reach = 2 * (o.x + o.y + o.z);
     const glm::dvec3 size = glm::abs(ray.direction);
     const glm::dvec3 axis = size.x <= size.y && size.x <= size.z ? glm::dvec3(1, 0, 0)
                             : size.y <= size.z                   ? glm::dvec3(0, 1, 0)
@@ -104,6 +107,7 @@ struct FramedRay {
 
   Ray ray;
   glm::dvec3 u, v;
+  double origin_reach = 0;  // the origin is off by less than 2^-53 of this
 };
 
 enum class Meeting { miss, cut_off, hit, in_doubt, near_plane };
@@ -120,9 +124,10 @@ struct MeasuredFacet {
 // along. The ray passes inside where the edge functions E_i = p_(i+1) x p_(i+2) have one sign, at the depth
 // t = sum E_i t_i / sum E_i: the barycentric mean, which stays good on slivers.
 //
-// Rounding, with r = 2^-53, L the largest |x| + |y| + |z| of the a_i and P the largest coordinate of the p_i:
-// - a_i is rounded by r, the frame is orthonormal to 4 r, a dot product of three terms adds 3 r: each coordinate of
-//   p_i, and t_i, is off by less than e = 16 r L;
+// Rounding, with r = 2^-53, L the largest |x| + |y| + |z| of the a_i plus the reach of their origin, and P the largest
+// coordinate of the p_i:
+// - a_i is rounded by r and its origin by r of the reach, the frame is orthonormal to 4 r, a dot product of three terms
+//   adds 3 r: each coordinate of p_i, and t_i, is off by less than e = 16 r L;
 // - E_i then is off by less than 4 P e + 2 e^2 + 4 r P^2 < 72 r L (P + 8 r L), as P <= L: `edge_error`;
 // - errors d_i of the E_i move t by sum d_i (t_i - t) / sum (E_i + d_i), at most 3 edge_error T / (|S| - 3 edge_error),
 //   where T is the range of the t_i, which holds t, and S = sum E_i. Where every |E_i| > edge_error the denominator is
@@ -139,6 +144,7 @@ MeasuredFacet measure(const MeshView& mesh, std::uint32_t facet, const FramedRay
     length = std::max(length, std::abs(a.x) + std::abs(a.y) + std::abs(a.z));
     breadth = std::max({breadth, std::abs(p[i][0]), std::abs(p[i][1])});
   }
+  length += frame.origin_reach;
   const double lowest = std::min({t[0], t[1], t[2]}), highest = std::max({t[0], t[1], t[2]});
   const double corner_error = 17 * unit_roundoff * length;
   MeasuredFacet measured;
@@ -190,7 +196,7 @@ class RayCaster {
   // The hits of the ray through a pixel's centre; none where the ray can't be judged.
   Judgement cast(int x, int y) {
     hits_.clear();
-    const FramedRay frame(camera_.pixel_ray(x, y));
+    const FramedRay frame(camera_.pixel_ray(x, y), camera_.perspective);
     traverse(frame.ray);
     std::sort(proposals_.begin(), proposals_.end());
     for (auto proposal = proposals_.begin(); proposal != proposals_.end();) {
