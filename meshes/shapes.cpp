@@ -308,7 +308,8 @@ Mesh scroll(int turns, int facets_per_turn) {
 Mesh coplanar(std::size_t n, std::uint32_t seed) {
   UniformNumbers uniform(seed);
   const auto point = [&] {
-    const float x = std::floor(uniform.next() * 0x1p10f) * 0x1p-10f, y = std::floor(uniform.next() * 0x1p10f) * 0x1p-10f;
+    const float x = std::floor(uniform.next() * 0x1p10f) * 0x1p-10f,
+                y = std::floor(uniform.next() * 0x1p10f) * 0x1p-10f;
     return glm::vec3(x, y, x / 2 + y / 4);  // few enough bits to be exact
   };
   Mesh mesh;

@@ -60,8 +60,8 @@ Mesh scattered(std::size_t n, float size, std::uint32_t seed);
 Mesh woven_mat(int n);
 
 // n long teeth, a bar that they pass over and a bar that they pass under, which in turn passes under the first: seen
-// from +z all n + 2 triangles are one component, and each tooth makes a cycle of three with the bars. They do not touch.
-// The teeth come first. Precondition: n >= 1.
+// from +z all n + 2 triangles are one component, and each tooth makes a cycle of three with the bars. They do not
+// touch. The teeth come first. Precondition: n >= 1.
 Mesh comb(int n);
 
 // A sheet rolled up `turns` times, an Archimedean spiral of radius 1 around the axis z, 2 high, in long facets from end

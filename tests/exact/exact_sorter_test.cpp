@@ -181,7 +181,8 @@ class TrianglesOfFacets {
     }
   }
 
-  // Each facet's triangles meet edge to edge, and along an edge of the mesh all facets beside it have the same vertices.
+  // Each facet's triangles meet edge to edge, and along an edge of the mesh all facets beside it have the same
+  // vertices.
   void expect_no_t_junction() const {
     std::map<std::pair<Position, Position>, std::vector<Position>> vertices_along;
     for (std::uint32_t facet = 0; facet < of_facet_.size(); ++facet) {
@@ -358,7 +359,8 @@ TEST(ExactSorter, HoldsNoMoreWhenAnOrbitIsRepeated) {
       EXPECT_EQ(sorter.memory_bytes(), bytes);
       EXPECT_EQ(sorter.prepared_bytes(), prepared);
       EXPECT_EQ(third.calls, second.calls);
-      EXPECT_LE(third.peak_bytes, second.peak_bytes + second.peak_bytes / 20);  // what is freed varies with the last view
+      EXPECT_LE(third.peak_bytes,
+                second.peak_bytes + second.peak_bytes / 20);  // what is freed varies with the last view
     });
   }
 }
@@ -429,7 +431,8 @@ TEST(ExactSorter, CoplanarFacetsAreNeitherCutNorHidden) {
 TEST(ExactSorter, KeepsFacetsThatNothingSees) {
   // A pane beyond another, seen through facets without area and a facet seen edge-on between the two.
   Mesh mesh;
-  mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}, {-1, -1, 2}, {1, -1, 2}, {0, 1, 2}, {0, -1, 1}, {0, 1, 1}, {0, 0, 4}};
+  mesh.positions = {{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}, {-1, -1, 2}, {1, -1, 2},
+                    {0, 1, 2},   {0, -1, 1}, {0, 1, 1}, {0, 0, 4}};
   mesh.triangles = {{3, 4, 5}, {6, 6, 6}, {6, 7, 7}, {6, 7, 6}, {6, 7, 8}, {0, 1, 2}};
   ExactSorter sorter(mesh.view());
   for (const glm::vec4& eye : {glm::vec4(0, 0, 9, 1), glm::vec4(0, 0, 1, 0), glm::vec4(0, 0.5f, 4, 1)}) {

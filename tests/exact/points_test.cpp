@@ -281,7 +281,8 @@ TEST(CutInTwo, PartsAPolygonAndNamesItsEdges) {
   std::vector<int> sides;
 
   ASSERT_TRUE(cut_in_two(points, 0, whole, 1, front, back, sides));  // x = 1
-  const Polygon &corner_side = front.corners.size() == 3 ? back : front, &triangle = front.corners.size() == 3 ? front : back;
+  const Polygon &corner_side = front.corners.size() == 3 ? back : front,
+                &triangle = front.corners.size() == 3 ? front : back;
   EXPECT_EQ(triangle.corners.size(), 3u);
   EXPECT_EQ(corner_side.corners.size(), 4u);
   EXPECT_EQ(points.size(), mesh.positions.size() + 2);
@@ -302,7 +303,8 @@ TEST(CutInTwo, PartsAPolygonAndNamesItsEdges) {
   EXPECT_EQ(front.corners.size(), 3u);
   EXPECT_EQ(back.corners.size(), 3u);
   const auto has_corner_0 = [](const Polygon& polygon) {
-    return std::any_of(polygon.corners.begin(), polygon.corners.end(), [](const PartCorner& c) { return c.point == 0; });
+    return std::any_of(polygon.corners.begin(), polygon.corners.end(),
+                       [](const PartCorner& c) { return c.point == 0; });
   };
   EXPECT_TRUE(has_corner_0(front) && has_corner_0(back));
 

@@ -278,7 +278,9 @@ TEST(WovenMat, PassesOverAndUnderInTurn) {
     }
     // The quads around an opening, each over the one before it.
     const auto quad_along_x = [&](std::size_t ribbon, std::size_t at) { return ribbon * quads + at; };
-    const auto quad_along_y = [&](std::size_t ribbon, std::size_t at) { return ribbons / 2 * quads + ribbon * quads + at; };
+    const auto quad_along_y = [&](std::size_t ribbon, std::size_t at) {
+      return ribbons / 2 * quads + ribbon * quads + at;
+    };
     for (std::size_t x = 0; x < quads; ++x) {
       for (std::size_t y = 0; y < quads; ++y) {
         std::size_t around[] = {quad_along_x(y, x), quad_along_y(x, y), quad_along_x(y + 1, x), quad_along_y(x + 1, y)};

@@ -39,7 +39,8 @@ class Scene {
   }
 
   int facing(FacetId facet, const Eye& eye) const {
-    return side_of_plane(mesh_.view().corner(facet, 0), mesh_.view().corner(facet, 1), mesh_.view().corner(facet, 2), eye);
+    return side_of_plane(mesh_.view().corner(facet, 0), mesh_.view().corner(facet, 1), mesh_.view().corner(facet, 2),
+                         eye);
   }
 
  private:
@@ -137,7 +138,8 @@ TEST(Hiding, OfSkewNeedlesThatStraddleEachOthersPlane) {
       int sum = 0, magnitude = 0;
       for (int i = 0; i < 3; ++i) {
         const MeshView view = scene.mesh().view();
-        const int side = orientation(view.corner(plane, 0), view.corner(plane, 1), view.corner(plane, 2), view.corner(part, i));
+        const int side =
+            orientation(view.corner(plane, 0), view.corner(plane, 1), view.corner(plane, 2), view.corner(part, i));
         sum += side;
         magnitude += std::abs(side);
       }
@@ -152,7 +154,8 @@ TEST(Hiding, OfSkewNeedlesThatStraddleEachOthersPlane) {
 }
 
 TEST(Hiding, OfOneInsideTheOthersOutline) {
-  const Scene scene(triangles({{-9, -9, -1}, {9, -9, 1}, {0, 9, 0}, {-0.5f, -0.2f, 0.4f}, {0.5f, 0, 0.9f}, {0, 0.5f, 0.8f}}));
+  const Scene scene(
+      triangles({{-9, -9, -1}, {9, -9, 1}, {0, 9, 0}, {-0.5f, -0.2f, 0.4f}, {0.5f, 0, 0.9f}, {0, 0.5f, 0.8f}}));
   expect_hiding(scene, {0, 0, 20, 1}, first);
   expect_hiding(scene, {0, 0, -20, 1}, second);
 }
@@ -218,7 +221,9 @@ TEST(Hiding, OfRandomPairsIsWhatRaysMeet) {
     const struct {
       Eye eye;
       bool surrounded;
-    } eyes[] = {{Eye(inside, 1), true}, {Eye(4.0f * inside - 1.5f, 1), true}, {Eye(inside + glm::vec3(0, 0, 20), 1), false},
+    } eyes[] = {{Eye(inside, 1), true},
+                {Eye(4.0f * inside - 1.5f, 1), true},
+                {Eye(inside + glm::vec3(0, 0, 20), 1), false},
                 {Eye(inside - 0.5f, 0), false}};
     for (const auto& [eye, surrounded] : eyes) {
       if (scene.facing(0, eye) == 0 || scene.facing(1, eye) == 0) continue;
