@@ -54,8 +54,8 @@ Mesh soup(std::size_t n, std::uint32_t seed);
 Mesh scattered(std::size_t n, float size, std::uint32_t seed);
 
 // A plain weave of n by n ribbons, over and under in turn, in quads from crossing to crossing: 4 n (n - 1) facets that
-// do not touch but along their ribbon. Seen from +z the four quads around each opening hide each other in a cycle, and
-// neighbours share a quad: all are one strongly connected component.
+// do not touch but along their ribbon. Seen from straight above (+z), the quads around each of the (n - 1)^2 openings
+// hide each other in a cycle, of four of their triangles.
 // Precondition: n >= 2.
 Mesh woven_mat(int n);
 

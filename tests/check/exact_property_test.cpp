@@ -346,7 +346,7 @@ TEST_P(RandomMeshes, AreDrawnInOrderAndWithoutGaps) {
   EXPECT_EQ(tally.fragments_of_rays_alone, 0u);
 }
 
-// Half the seeds each: scales near the ends of float32's range by a power of two, and far from the origin, where facets
+// A third of the seeds each: scales near the ends of float32's range by a power of two, and far from the origin, where facets
 // round to slivers and coincide.
 TEST_P(RandomMeshes, AreDrawnInOrderAtAnyScaleAndPlace) {
   Tally tally;
