@@ -346,8 +346,8 @@ TEST_P(RandomMeshes, AreDrawnInOrderAndWithoutGaps) {
   EXPECT_EQ(tally.fragments_of_rays_alone, 0u);
 }
 
-// A third of the seeds each: scales near the ends of float32's range by a power of two, and far from the origin, where facets
-// round to slivers and coincide.
+// A third of the seeds each: scales near either end of float32's range by a power of two, and far from the origin,
+// where facets round to slivers and coincide.
 TEST_P(RandomMeshes, AreDrawnInOrderAtAnyScaleAndPlace) {
   Tally tally;
   for (std::uint32_t seed = 0; seed < seeds(); ++seed) {
