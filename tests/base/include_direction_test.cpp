@@ -25,7 +25,7 @@ using Sources = std::map<std::string, std::string>;
 constexpr std::array folders{"base",  "mesh",  "facets", "order", "exact",  "presort",
                              "scene", "blend", "check",  "plan",  "report", "c"};
 
-// A package whose headers may be included in one folder only, by a single file of it where `single_file`.
+// A package and a folder that may include its headers, in a single file of it where `single_file`.
 struct PackageHome {
   std::string_view include_prefix;
   std::string_view folder;
@@ -33,7 +33,8 @@ struct PackageHome {
 };
 constexpr std::array package_homes{
     PackageHome{"OpenMesh/", "mesh", true},      PackageHome{"boost/", "exact", true},
-    PackageHome{"hwy/", "blend", true},          PackageHome{"embree3/", "check", true},
+    PackageHome{"hwy/", "exact", true},          PackageHome{"hwy/", "blend", true},
+    PackageHome{"embree3/", "check", true},
     PackageHome{"OpenImageIO/", "report", true}, PackageHome{"nlohmann/", "report", true},
 };
 // Small enough for every folder, and part of what `order` asks for.
@@ -84,7 +85,7 @@ bool is_internal(const std::string& source) {
 // Each fault as "FILE: what is wrong".
 std::vector<std::string> include_faults(const Sources& sources) {
   std::vector<std::string> faults;
-  std::map<std::string_view, std::set<std::string>> package_users;
+  std::map<std::pair<std::string_view, std::string>, std::set<std::string>> package_users;  // of a package, in a folder
   for (const auto& [file, source] : sources) {
     const auto fault = [&, &file = file](const std::string& what) { faults.push_back(file + ": " + what); };
     const std::string folder = folder_of(file);
@@ -112,9 +113,12 @@ std::vector<std::string> include_faults(const Sources& sources) {
       const auto home = std::find_if(package_homes.begin(), package_homes.end(),
                                      [&](const PackageHome& package) { return starts_target(package.include_prefix); });
       if (home != package_homes.end()) {
-        package_users[home->include_prefix].insert(file);
-        if (folder != home->folder) fault("includes <" + target + ">, which belongs in " + std::string(home->folder));
-        if (is_header(file)) fault("is a header and includes <" + target + ">");
+        const bool at_home = std::any_of(package_homes.begin(), package_homes.end(), [&](const PackageHome& package) {
+          return starts_target(package.include_prefix) && package.folder == folder;
+        });
+        if (at_home) package_users[{home->include_prefix, folder}].insert(file);
+        if (!at_home) fault("includes <" + target + ">, which belongs in " + std::string(home->folder));
+        if (is_header(file) && !is_internal(source)) fault("is a public header and includes <" + target + ">");
       } else if (target.find('/') != std::string::npos && !target.starts_with("sys/") &&
                  std::none_of(packages_for_all.begin(), packages_for_all.end(), starts_target)) {
         fault("includes <" + target + "> of a package that has no place in the library");
@@ -122,7 +126,7 @@ std::vector<std::string> include_faults(const Sources& sources) {
     }
   }
   for (const PackageHome& package : package_homes) {
-    const std::set<std::string>& users = package_users[package.include_prefix];
+    const std::set<std::string>& users = package_users[{package.include_prefix, std::string(package.folder)}];
     if (!package.single_file || users.size() < 2) continue;
     faults.push_back(*users.rbegin() + ": includes <" + std::string(package.include_prefix) + "...> as does " +
                      *users.begin());
@@ -218,7 +222,7 @@ TEST(IncludeDirection, FindsPackagesInHeadersAndInSecondFiles) {
   const Sources sources{{"facetsort/check/a.cpp", "# include <embree3/rtcore.h>\n"},
                         {"facetsort/check/b.h", "#include <embree3/rtcore.h>\n"}};
   EXPECT_EQ(include_faults(sources),
-            (Faults{"facetsort/check/b.h: is a header and includes <embree3/rtcore.h>",
+            (Faults{"facetsort/check/b.h: is a public header and includes <embree3/rtcore.h>",
                     "facetsort/check/b.h: includes <embree3/...> as does facetsort/check/a.cpp"}));
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 
 namespace facetsort {
@@ -13,7 +14,9 @@ TEST(Method, NamesAreDistinctAndKnown) {
     EXPECT_TRUE(names.insert(method_name(method)).second);
     EXPECT_EQ(method_from_name(method_name(method)), method);
   }
-  EXPECT_EQ(names.size(), 6u);
+  EXPECT_EQ(names.size(), 7u);
+  EXPECT_EQ(depth_key_methods().size(), 6u);
+  EXPECT_EQ(std::count(depth_key_methods().begin(), depth_key_methods().end(), Method::exact), 0);
 }
 
 TEST(Method, KnowsTheAliasAndNothingElse) {
