@@ -413,24 +413,33 @@ class FacetCutter {
     return best;
   }
 
-  // The polygon's edge that the point lies on, by its first corner; nothing where it is inside.
-  std::optional<std::size_t> edge_at(const Polygon& polygon, PointId point) const {
-    for (std::size_t i = 0; i < polygon.corners.size(); ++i) {
-      if (polygon.corners[i].point == point) return i;
+  bool is_on_line(PointId point, Line line) const {
+    if (!is_facet_edge(line)) return points_.side(line, point) == 0;
+    const int opposite = static_cast<int>(line & ~facet_edge);
+    const auto [p, q] = std::minmax({points_.space().corner(facet_, (opposite + 1) % 3),
+                                     points_.space().corner(facet_, (opposite + 2) % 3)});
+    if (points_.is_vertex(point)) return point == p || point == q;
+    const PointDefinition& definition = points_.definition(point);
+    return definition.kind == PointDefinition::edge_and_plane && definition.a == p && definition.b == q;
+  }
+
+  // Where a point in the polygon lies on its boundary: on the edge after a corner, or at that corner, which may be the
+  // same point under another id; nothing where it is inside.
+  struct Place {
+    std::size_t edge;
+    PointId point;
+  };
+  std::optional<Place> place_on_boundary(const Polygon& polygon, PointId point) const {
+    const std::size_t count = polygon.corners.size();
+    std::optional<Place> place;
+    bool on_last_edge = is_on_line(point, polygon.corners[count - 1].line);
+    for (std::size_t i = 0; i < count; ++i) {
+      const bool on_edge = is_on_line(point, polygon.corners[i].line);
+      if (polygon.corners[i].point == point || (on_edge && on_last_edge)) return Place{i, polygon.corners[i].point};
+      if (on_edge) place = Place{i, point};
+      on_last_edge = on_edge;
     }
-    for (std::size_t i = 0; i < polygon.corners.size(); ++i) {
-      const Line line = polygon.corners[i].line;
-      if (!is_facet_edge(line)) {
-        if (points_.side(line, point) == 0) return i;
-      } else if (!points_.is_vertex(point) && points_.definition(point).kind == PointDefinition::edge_and_plane) {
-        const int opposite = static_cast<int>(line & ~facet_edge);
-        const auto [p, q] = std::minmax({points_.space().corner(facet_, (opposite + 1) % 3),
-                                         points_.space().corner(facet_, (opposite + 2) % 3)});
-        const PointDefinition& definition = points_.definition(point);
-        if (definition.a == p && definition.b == q) return i;
-      }
-    }
-    return std::nullopt;
+    return place;
   }
 
   bool cut_at_kink(const Polygon& polygon, const Segments& segments) {
@@ -452,10 +461,10 @@ class FacetCutter {
       if (segment.ends[0] != kink && segment.ends[1] != kink) continue;
       ++met;
       const PointId other = segment.ends[segment.ends[0] == kink];
-      const std::optional<std::size_t> edge = edge_at(polygon, other);
-      if (edge) rays.push_back({segment.plane, other, *edge});
+      const std::optional<Place> place = place_on_boundary(polygon, other);
+      if (place) rays.push_back({segment.plane, place->point, place->edge});
     }
-    if (met != 2 || rays.empty() || edge_at(polygon, kink)) return false;
+    if (met != 2 || rays.empty() || place_on_boundary(polygon, kink)) return false;
 
     // Corners of the facet that are still corners of the polygon.
     const PointDefinition pierced_by = points_.definition(kink);

@@ -9,14 +9,19 @@ PointId next_corner(const SeenPart& part, std::size_t i) {
   return part.corners[i + 1 == part.corners.size() ? 0 : i + 1];
 }
 
-// Whether the plane through the eye and some edge of `a` has all of `b` on its outer side.
+// Whether the plane through the eye and some edge of `a` has all of `b` on its outer side, some of it strictly: an edge
+// between two names of one point has no plane.
 bool parted_by_edge(const Points& points, const Eye& eye, const SeenPart& a, const SeenPart& b) {
   for (std::size_t i = 0; i < a.corners.size(); ++i) {
     const PointId from = a.corners[i], to = next_corner(a, i);
-    const bool all_outside = std::all_of(b.corners.begin(), b.corners.end(), [&](PointId corner) {
-      return corner == from || corner == to || points.turn(from, to, corner, eye) != a.facing;
-    });
-    if (all_outside) return true;
+    bool inside = false, outside = false;
+    for (std::size_t j = 0; j < b.corners.size() && !inside; ++j) {
+      if (b.corners[j] == from || b.corners[j] == to) continue;
+      const int turn = points.turn(from, to, b.corners[j], eye);
+      inside = turn == a.facing;
+      outside = outside || turn == -a.facing;
+    }
+    if (!inside && outside) return true;
   }
   return false;
 }
