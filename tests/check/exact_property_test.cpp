@@ -452,6 +452,20 @@ TEST(Shrink, LeavesTheFacetsThatMatter) {
   EXPECT_NE(as_code(smallest).find("{3, 4, 5}"), std::string::npos);
 }
 
+// Found by OnALattice and shrunk: a cut's end at (1.5, 1, 1) is a corner that another cut made of other planes.
+TEST(ExactProperty, HoldsWhereTwoCutsMeetOnAnEdge) {
+  const Mesh mesh{{{2, 0, 1}, {1, 2, 1}, {0, 0, 1}, {1, 2, 0}, {2, 0, 2}, {1, 0, 1}, {0, 0, 2}, {0, 0, 0}, {1, 0, 0},
+                   {2, 2, 2}},
+                  {{0, 1, 2}, {3, 4, 5}, {5, 6, 3}, {7, 8, 9}},
+                  {},
+                  {}};
+  View view = sized(default_view(facet_bounds(mesh.view()), {0.58f, 0.11f, 2.53f}), 80);
+  view.vertical_fov_degrees = 120;
+  Tally tally;
+  expect_exact(mesh, {{view}}, tally);
+  EXPECT_GT(tally.covered_pixels, 500u);
+}
+
 // The property itself must be able to fail: the checks see an order that is wrong.
 TEST(ExactProperty, SeesWhatIsWrong) {
   const Mesh mesh = shapes::triangle_cycle(3);
