@@ -323,7 +323,8 @@ class CutAssignment {
 // kink.)
 class FacetCutter {
  public:
-  FacetCutter(Points& points, FacetId facet, PartList& pieces) : points_(points), facet_(facet), pieces_(pieces) {}
+  FacetCutter(Points& points, FacetId facet, PartList& pieces)
+      : points_(points), facet_(facet), pieces_(pieces), ends_(points) {}
 
   std::size_t cuts() const { return cuts_; }
 
@@ -348,10 +349,7 @@ class FacetCutter {
   };
 
   PointId point_of(const SegmentEnd& end) {
-    if (end.is_vertex) return end.vertex;
-    const auto [place, is_new] = ids_.try_emplace(end.definition, 0);
-    if (is_new) place->second = points_.add(end.definition);
-    return place->second;
+    return end.is_vertex ? end.vertex : ends_.id_of(end.definition);
   }
 
   void cut(const Polygon& polygon, Segments segments) {
@@ -381,9 +379,7 @@ class FacetCutter {
       (first + second > 0 ? front : back).push_back(segment);
       return;
     }
-    std::array<PlaneId, 3> planes = {points_.same_plane(facet_), segment.plane, plane};
-    std::sort(planes.begin(), planes.end());
-    const PointId meeting = points_.add({PointDefinition::three_planes, planes[0], planes[1], planes[2]});
+    const PointId meeting = points_.add(PointDefinition::of_planes(points_.same_plane(facet_), segment.plane, plane));
     front.push_back({segment.plane, {first > 0 ? segment.ends[0] : segment.ends[1], meeting}});
     back.push_back({segment.plane, {first < 0 ? segment.ends[0] : segment.ends[1], meeting}});
   }
@@ -415,9 +411,7 @@ class FacetCutter {
 
   bool is_on_line(PointId point, Line line) const {
     if (!is_facet_edge(line)) return points_.side(line, point) == 0;
-    const int opposite = static_cast<int>(line & ~facet_edge);
-    const auto [p, q] = std::minmax({points_.space().corner(facet_, (opposite + 1) % 3),
-                                     points_.space().corner(facet_, (opposite + 2) % 3)});
+    const auto [p, q] = edge_vertices(points_.space(), facet_, line);
     if (points_.is_vertex(point)) return point == p || point == q;
     const PointDefinition& definition = points_.definition(point);
     return definition.kind == PointDefinition::edge_and_plane && definition.a == p && definition.b == q;
@@ -556,7 +550,7 @@ class FacetCutter {
   FacetId facet_;
   PartList& pieces_;
   Segments segments_;
-  std::map<PointDefinition, PointId> ids_;
+  DistinctPoints ends_;
   std::vector<int> sides_;
   std::size_t cuts_ = 0;
 };
@@ -587,7 +581,7 @@ CutFacet cut_facet(const Points& mesh_points, std::span<const Task> tasks) {
 // Moves the parts of one facet to the whole mesh's, points that are there already included.
 class Merger {
  public:
-  Merger(Points& points, PartList& pieces) : points_(points), pieces_(pieces) {}
+  Merger(Points& points, PartList& pieces) : points_(points), pieces_(pieces), merged_(points) {}
 
   void add(const CutFacet& facet) {
     std::vector<PartCorner> corners;
@@ -619,19 +613,15 @@ class Merger {
     if (definition.kind == PointDefinition::edge_and_plane) {
       definition.c = plane_of(facet, definition.c);
     } else {
-      std::array<PlaneId, 3> planes = {plane_of(facet, definition.a), plane_of(facet, definition.b),
-                                       plane_of(facet, definition.c)};
-      std::sort(planes.begin(), planes.end());
-      definition = {definition.kind, planes[0], planes[1], planes[2]};
+      definition = PointDefinition::of_planes(plane_of(facet, definition.a), plane_of(facet, definition.b),
+                                              plane_of(facet, definition.c));
     }
-    const auto [place, is_new] = ids_.try_emplace(definition, 0);
-    if (is_new) place->second = points_.add(definition);
-    return place->second;
+    return merged_.id_of(definition);
   }
 
   Points& points_;
   PartList& pieces_;
-  std::map<PointDefinition, PointId> ids_;
+  DistinctPoints merged_;
   std::map<PlaneId, PlaneId> planes_;  // of the facet being added
 };
 
@@ -653,6 +643,7 @@ PartedFacets part_crossing_facets(Points& points, const std::vector<unsigned cha
 
   // In batches, so that what is cut in vain beyond the limit stays small.
   constexpr std::size_t batch_size = 4096;
+  const Points base(points.space());
   Merger merger(points, result.pieces);
   std::size_t triangles = facets;
   std::vector<CutFacet> batch;
@@ -660,7 +651,6 @@ PartedFacets part_crossing_facets(Points& points, const std::vector<unsigned cha
     const std::size_t end = std::min(begins.size() - 1, begin + batch_size);
     batch.clear();
     batch.resize(end - begin);
-    const Points base(points.space());
     parallel_ranges(end - begin, facets_per_task, [&](std::size_t first, std::size_t last) {
       for (std::size_t i = first; i < last; ++i) {
         const std::size_t from = begins[begin + i], to = begins[begin + i + 1];

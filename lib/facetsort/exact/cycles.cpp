@@ -213,7 +213,7 @@ class CycleCutter {
     cut_in_two(result_.points, parts_[part].facet, parts_[part].polygon, result_.points.same_plane(plane), front, back,
                sides_);
     ++result_.cuts;
-    const bool same_way = faces_alike(plane, result_.points.same_plane(plane));
+    const bool same_way = result_.points.space().faces_away[plane] == 0;
     const auto add = [&](Polygon& polygon) {
       std::vector<PointId> loop = loop_of(polygon.corners);
       parts_.push_back({parts_[part].facet, parts_[part].facing, std::move(polygon), std::move(loop),
@@ -223,17 +223,6 @@ class CycleCutter {
     const std::uint32_t in_front = add(front), behind = add(back);
     const bool eye_in_front = (facing > 0) == same_way;
     return eye_in_front ? std::pair(behind, in_front) : std::pair(in_front, behind);
-  }
-
-  // Whether the normals of two facets in one plane point the same way: the eye is on the same side of both or not.
-  bool faces_alike(FacetId a, FacetId b) const {
-    if (a == b) return true;
-    const MeshView& mesh = result_.points.space().mesh;
-    const auto sign_of = [&](FacetId f) {
-      const glm::uvec3 t = mesh.triangles[f];
-      return result_.points.turn(t.x, t.y, t.z, from_.eye);
-    };
-    return sign_of(a) == sign_of(b);
   }
 
   // The part whose plane cuts the fewest others, and divides the rest evenly; judged by a sample of both.

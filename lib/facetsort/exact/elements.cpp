@@ -258,11 +258,8 @@ class Builder {
 }  // namespace
 
 std::size_t Elements::memory_bytes() const {
-  const auto bytes = [](const auto&... vectors) {
-    return ((vectors.capacity() * sizeof(typename std::decay_t<decltype(vectors)>::value_type)) + ...);
-  };
-  return bytes(facet, draw_id, has_area, plane, longest_edge_squared, first_corner, corner_point, corner_slot, slot_blocks,
-               slot_point,               slot_position, fan_begin, fan_element, element_of_draw_id);
+  return bytes_of(facet, draw_id, has_area, plane, longest_edge_squared, first_corner, corner_point, corner_slot,
+                  slot_blocks, slot_point, slot_position, fan_begin, fan_element, element_of_draw_id);
 }
 
 Elements make_elements(const Points& points, const PartList& pieces, const std::vector<unsigned char>& degenerate,

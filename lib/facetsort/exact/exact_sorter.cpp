@@ -15,7 +15,6 @@
 #include <tbb/parallel_sort.h>
 
 #include <algorithm>
-#include <cassert>
 #include <chrono>
 #include <cmath>
 #include <map>
@@ -45,16 +44,6 @@ using Clock = std::chrono::steady_clock;
 
 double milliseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
-std::vector<unsigned char> find_degenerate(const MeshView& mesh) {
-  std::vector<unsigned char> degenerate(mesh.facet_count());
-  parallel_ranges(degenerate.size(), facets_per_task, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t f = begin; f < end; ++f) {
-      degenerate[f] = collinear(mesh.corner(f, 0), mesh.corner(f, 1), mesh.corner(f, 2));
-    }
-  });
-  return degenerate;
 }
 
 // One id for all facets that lie in one plane, as the two halves of a quad do: the smallest of them. Candidates are
@@ -149,7 +138,7 @@ struct ExactSorter::State {
       : mesh(mesh_in),
         options(options_in),
         space{mesh_in, identify_positions(mesh_in), {}, {}, {}, {}},
-        degenerate(find_degenerate(mesh_in)),
+        degenerate(find_degenerate_facets(mesh_in)),
         points(with_planes()) {}
 
   const PointSpace& with_planes() {
@@ -181,7 +170,6 @@ struct ExactSorter::State {
   Points points;                 // vertices, those of prepared pieces, then those of the last view
   PartList parts;                // prepared pieces, then those of the last view
   std::vector<Piece> pieces;     // the same, for drawing
-  std::vector<glm::uvec3> planes;
   bool triangles_counted = false;  // of the last view
   std::size_t prepared_pieces = 0, prepared_points = 0, prepared_triangles = 0, prepared_bytes = 0;
   Elements elements;
@@ -235,12 +223,11 @@ void ExactSorter::State::prepare() {
   elements = make_elements(points, parts, degenerate, parted.uncut_pairs > 0);
   statistics.prepared_pieces = elements.count();
   for (const Part& part : parts.parts) pieces.push_back(piece_of(part));
-  planes.assign(points.added_planes().begin(), points.added_planes().end());
   first_broken.assign(elements.count(), no_element);
   number.assign(elements.count(), 0);
   lowest.assign(elements.count(), 0);
   drawn.assign(elements.count(), 0);
-  for (const std::uint32_t id : elements.draw_id) order.push_back(id);
+  order = filled_order = elements.draw_id;
   prepared_triangles = count_triangles(points, parts, order);
   prepared_bytes = bytes_held();
   statistics.prepare_ms = milliseconds_since(start);
@@ -254,12 +241,9 @@ void ExactSorter::State::forget_last_view() {
 
 // What construction made.
 std::size_t ExactSorter::State::bytes_held() const {
-  const auto bytes = [](const auto&... vectors) {
-    return ((vectors.capacity() * sizeof(typename std::decay_t<decltype(vectors)>::value_type)) + ...);
-  };
   return points.memory_bytes() + parts.memory_bytes() + elements.memory_bytes() +
-         bytes(space.position_of_vertex, space.plane_of_facet, space.faces_away, space.around_begin, space.around, degenerate, pieces, planes, first_broken, number, lowest,
-               drawn);
+         bytes_of(space.position_of_vertex, space.plane_of_facet, space.faces_away, space.around_begin, space.around,
+                  degenerate, pieces, first_broken, number, lowest, drawn);
 }
 
 // Whether a comes first by depth; ties go to the smaller draw id.
@@ -481,7 +465,7 @@ void ExactSorter::State::fill_in_cycles() {
 
   std::size_t triangles = prepared_triangles;
   filled_order.clear();
-  std::map<PointDefinition, PointId> ids;
+  DistinctPoints made(points);
   std::vector<PartCorner> corners;
   const std::size_t points_before = points.size();
   for (const std::uint32_t entry : order) {
@@ -507,11 +491,7 @@ void ExactSorter::State::fill_in_cycles() {
       const Part& piece = result.pieces.parts[part.piece];
       corners.assign(result.pieces.corners_of(piece).begin(), result.pieces.corners_of(piece).end());
       for (PartCorner& corner : corners) {
-        if (corner.point < points_before) continue;
-        const PointDefinition& definition = result.points.definition(corner.point);
-        const auto [place, is_new] = ids.try_emplace(definition, 0);
-        if (is_new) place->second = points.add(definition);
-        corner.point = place->second;
+        if (corner.point >= points_before) corner.point = made.id_of(result.points.definition(corner.point));
       }
       filled_order.push_back(static_cast<std::uint32_t>(mesh.facet_count() + parts.parts.size()));
       parts.add(piece.facet, corners, result.pieces.cuts_of(piece));
@@ -519,6 +499,7 @@ void ExactSorter::State::fill_in_cycles() {
     }
   }
   std::swap(order, filled_order);
+  filled_order.reserve(order.capacity());  // so that either will do for the next view
 }
 
 ExactSorter::ExactSorter(const MeshView& mesh, const ExactOptions& options)
@@ -555,7 +536,7 @@ std::span<const std::uint32_t> ExactSorter::sort(const SortView& view) {
   return state.order;
 }
 
-Pieces ExactSorter::pieces() const { return {state_->pieces, state_->parts.cuts, state_->planes}; }
+Pieces ExactSorter::pieces() const { return {state_->pieces, state_->parts.cuts, state_->points.added_planes()}; }
 
 const ExactStatistics& ExactSorter::statistics() const {
   State& state = *state_;
@@ -572,12 +553,9 @@ std::size_t ExactSorter::prepared_bytes() const { return state_->prepared_bytes;
 
 std::size_t ExactSorter::memory_bytes() const {
   const State& state = *state_;
-  const auto bytes = [](const auto&... vectors) {
-    return ((vectors.capacity() * sizeof(typename std::decay_t<decltype(vectors)>::value_type)) + ...);
-  };
   return state.bytes_held() + state.screen.memory_bytes() + state.key_sort.memory_bytes() +
-         bytes(state.keys, state.broken, state.order, state.filled_order, state.visits, state.open, state.edges, state.nearby,
-               state.edge_range);
+         bytes_of(state.keys, state.broken, state.order, state.filled_order, state.visits, state.open, state.edges,
+                  state.nearby, state.edge_range);
 }
 
 }  // namespace facetsort

@@ -263,12 +263,7 @@ PairCount count_intersections(const MeshView& mesh, const std::vector<std::uint3
 GeometryFacts inspect_geometry(const MeshView& mesh) {
   const std::size_t facets = mesh.facet_count();
   GeometryFacts facts;
-  std::vector<unsigned char> degenerate(facets);
-  parallel_ranges(facets, grain, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t f = begin; f < end; ++f) {
-      degenerate[f] = collinear(mesh.corner(f, 0), mesh.corner(f, 1), mesh.corner(f, 2));
-    }
-  });
+  const std::vector<unsigned char> degenerate = find_degenerate_facets(mesh);
   facts.degenerate_facets = static_cast<std::size_t>(std::count(degenerate.begin(), degenerate.end(), 1));
 
   const std::vector<std::uint32_t> position = identify_positions(mesh);

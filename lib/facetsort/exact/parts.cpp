@@ -1,22 +1,17 @@
 #include "facetsort/exact/parts.h"
 
 #include <algorithm>
-#include <array>
 
 namespace facetsort::exact_internal {
 namespace {
 
 // Where the plane meets the edge of a part from `from` to `to`, which lies on `line`.
 PointId meeting_point(Points& points, FacetId facet, Line line, PlaneId plane) {
-  const PointSpace& space = points.space();
   if (is_facet_edge(line)) {
-    const int opposite = static_cast<int>(line & ~facet_edge);
-    const auto [p, q] = std::minmax({space.corner(facet, (opposite + 1) % 3), space.corner(facet, (opposite + 2) % 3)});
+    const auto [p, q] = edge_vertices(points.space(), facet, line);
     return points.add({PointDefinition::edge_and_plane, p, q, plane});
   }
-  std::array<PlaneId, 3> planes = {space.plane_of_facet[facet], line, plane};
-  std::sort(planes.begin(), planes.end());
-  return points.add({PointDefinition::three_planes, planes[0], planes[1], planes[2]});
+  return points.add(PointDefinition::of_planes(points.same_plane(facet), line, plane));
 }
 
 }  // namespace
@@ -33,6 +28,11 @@ void keep_bounding_cuts(Polygon& polygon) {
     return std::none_of(polygon.corners.begin(), polygon.corners.end(),
                         [&](const PartCorner& corner) { return corner.line == cut.plane; });
   });
+}
+
+std::pair<PointId, PointId> edge_vertices(const PointSpace& space, FacetId facet, Line line) {
+  const int opposite = static_cast<int>(line & ~facet_edge);
+  return std::minmax({space.corner(facet, (opposite + 1) % 3), space.corner(facet, (opposite + 2) % 3)});
 }
 
 Polygon whole_facet(const PointSpace& space, FacetId facet) {

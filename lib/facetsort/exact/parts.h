@@ -3,8 +3,10 @@
 
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
+#include "facetsort/exact/memory.h"
 #include "facetsort/exact/pieces.h"
 #include "facetsort/exact/points.h"
 
@@ -47,9 +49,7 @@ struct PartList {
     cuts.resize(parts[count].first_cut);
     parts.resize(count);
   }
-  std::size_t memory_bytes() const {
-    return parts.capacity() * sizeof(Part) + corners.capacity() * sizeof(PartCorner) + cuts.capacity() * sizeof(Cut);
-  }
+  std::size_t memory_bytes() const { return bytes_of(parts, corners, cuts); }
 };
 
 // A part on its own, while it is being cut.
@@ -60,6 +60,9 @@ struct Polygon {
 
 // Drops the cuts whose planes no longer bound the polygon.
 void keep_bounding_cuts(Polygon& polygon);
+
+// The vertices of the edge of the facet that `line` is, smaller first. Precondition: is_facet_edge(line).
+std::pair<PointId, PointId> edge_vertices(const PointSpace& space, FacetId facet, Line line);
 
 Polygon whole_facet(const PointSpace& space, FacetId facet);
 

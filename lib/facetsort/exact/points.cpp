@@ -223,6 +223,12 @@ bool rounds_one_way(double value, double error) {
 
 }  // namespace
 
+PointDefinition PointDefinition::of_planes(PlaneId a, PlaneId b, PlaneId c) {
+  std::array<PlaneId, 3> planes = {a, b, c};
+  std::sort(planes.begin(), planes.end());
+  return {three_planes, planes[0], planes[1], planes[2]};
+}
+
 void PointSpace::find_facets_around() {
   around_begin.assign(mesh.vertex_count() + 1, 0);
   for (const glm::uvec3& t : mesh.triangles) {

@@ -9,9 +9,11 @@
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <map>
 #include <span>
 #include <vector>
 
+#include "facetsort/exact/memory.h"
 #include "facetsort/mesh/mesh_view.h"
 
 namespace facetsort::exact_internal {
@@ -26,6 +28,9 @@ struct PointDefinition {
   // edge_and_plane: two vertices, smaller first, and a plane that parts them strictly.
   // three_planes: three planes, smallest first, that meet in one point.
   std::uint32_t a, b, c;
+
+  // Where three planes meet, in any order.
+  static PointDefinition of_planes(PlaneId a, PlaneId b, PlaneId c);
 
   auto operator<=>(const PointDefinition&) const = default;
 };
@@ -70,9 +75,7 @@ class Points {
   std::size_t size() const { return first_ + made_.size(); }
   std::size_t plane_count() const { return first_plane_ + planes_.size(); }
   std::span<const glm::uvec3> added_planes() const { return planes_; }
-  std::size_t memory_bytes() const {
-    return made_.capacity() * sizeof(Made) + planes_.capacity() * sizeof(glm::uvec3);
-  }
+  std::size_t memory_bytes() const { return bytes_of(made_, planes_); }
   const PointSpace& space() const { return *space_; }
   bool is_vertex(PointId point) const { return point < space_->mesh.vertex_count(); }
   // Precondition: not a vertex.
@@ -120,6 +123,22 @@ class Points {
   std::size_t first_plane_;  // id of planes_[0]
   std::vector<Made> made_;
   std::vector<glm::uvec3> planes_;
+};
+
+// Adds points, each definition once.
+class DistinctPoints {
+ public:
+  explicit DistinctPoints(Points& points) : points_(points) {}
+
+  PointId id_of(const PointDefinition& definition) {
+    const auto [place, is_new] = ids_.try_emplace(definition, 0);
+    if (is_new) place->second = points_.add(definition);
+    return place->second;
+  }
+
+ private:
+  Points& points_;
+  std::map<PointDefinition, PointId> ids_;
 };
 
 }  // namespace facetsort::exact_internal

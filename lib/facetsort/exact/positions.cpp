@@ -6,6 +6,7 @@
 #include <cstddef>
 
 #include "facetsort/base/parallel.h"
+#include "facetsort/exact/predicates.h"
 
 namespace facetsort::exact_internal {
 
@@ -34,6 +35,17 @@ std::vector<std::uint32_t> identify_positions(const MeshView& mesh) {
     position[vertex.index] = same ? position[previous.index] : vertex.index;
   }
   return position;
+}
+
+std::vector<unsigned char> find_degenerate_facets(const MeshView& mesh) {
+  constexpr std::size_t facets_per_task = 1024;
+  std::vector<unsigned char> degenerate(mesh.facet_count());
+  parallel_ranges(degenerate.size(), facets_per_task, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t f = begin; f < end; ++f) {
+      degenerate[f] = collinear(mesh.corner(f, 0), mesh.corner(f, 1), mesh.corner(f, 2));
+    }
+  });
+  return degenerate;
 }
 
 }  // namespace facetsort::exact_internal

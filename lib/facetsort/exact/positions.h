@@ -1,4 +1,4 @@
-// Internal to exact: vertices by position, for meshes whose facets do not share vertices.
+// Internal to exact: vertices by position, for meshes whose facets do not share vertices; and facets without area.
 #pragma once
 
 #include <cstdint>
@@ -11,5 +11,8 @@ namespace facetsort::exact_internal {
 // Maps each vertex to the smallest vertex index at its position. Positions compare by their bits (after -0 became 0),
 // so that vertices no facet uses may hold anything. Parallel in the caller's task arena.
 std::vector<std::uint32_t> identify_positions(const MeshView& mesh);
+
+// Whether the corners of each facet lie on one line: it has no area and no plane. Parallel likewise.
+std::vector<unsigned char> find_degenerate_facets(const MeshView& mesh);
 
 }  // namespace facetsort::exact_internal

@@ -26,12 +26,13 @@ constexpr float unknown_direction = 4;
 constexpr double nearest_depth = 0x1p-6;
 constexpr double largest_coordinate = 16;
 
-double sum_of_magnitudes(const glm::dvec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); }
+double magnitude(double x, double y) { return std::abs(x) + std::abs(y); }
+double magnitude(const glm::dvec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); }
 
 int eye_side(const Points& points, const FilteredPlane& plane, FacetId facet, const Eye& eye) {
   const glm::dvec3 d = eye.w == 0 ? glm::dvec3(eye) : glm::dvec3(eye) - glm::dvec3(plane.corner);
   const double value = glm::dot(plane.normal, d);
-  if (std::abs(value) > plane.error * sum_of_magnitudes(d)) return value > 0 ? 1 : -1;
+  if (std::abs(value) > plane.error * magnitude(d)) return value > 0 ? 1 : -1;
   const MeshView& mesh = points.space().mesh;
   return side_of_plane(mesh.corner(facet, 0), mesh.corner(facet, 1), mesh.corner(facet, 2), eye);
 }
@@ -112,7 +113,7 @@ void Screen::place_elements(const Points& points, const Elements& elements, std:
   const auto screen_margin =
       static_cast<float>(float_rounding * (surrounded ? 1 : largest_coordinate) + rounding_);
   const auto depth_rounding =
-      static_cast<float>(4 * float_rounding * sum_of_magnitudes(elements.extent) + 4 * elements.largest_error);
+      static_cast<float>(4 * float_rounding * magnitude(elements.extent) + 4 * elements.largest_error);
   parallel_ranges(blocks, blocks_per_task, [&](std::size_t first, std::size_t last) {
     for (std::size_t block = first; block < last; ++block) {
       BoxBlock& boxes = levels_[0][block];
@@ -257,9 +258,6 @@ void Screen::look(const Points& points, const Elements& elements, const Eye& eye
 }
 
 namespace {
-
-double magnitude(double x, double y) { return std::abs(x) + std::abs(y); }
-double magnitude(const glm::dvec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); }
 
 enum class Edges { part, do_not_part, unsure };
 

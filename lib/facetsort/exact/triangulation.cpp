@@ -71,11 +71,6 @@ class Triangulator {
     return id < facet_count() ? id : parts_.parts[id - facet_count()].facet;
   }
 
-  std::pair<PointId, PointId> edge_of(FacetId facet, Line line) const {
-    const int opposite = static_cast<int>(line & ~facet_edge);
-    return std::minmax({space_.corner(facet, (opposite + 1) % 3), space_.corner(facet, (opposite + 2) % 3)});
-  }
-
   double along_edge(PointId from, PointId to, PointId point) const {
     const glm::dvec3 edge = points_.position(to) - points_.position(from);
     return glm::dot(edge, points_.position(point) - points_.position(from));
@@ -84,7 +79,7 @@ class Triangulator {
   void add_end(FacetId facet, Line line, PointId point) {
     if (points_.is_vertex(point)) return;
     if (is_facet_edge(line)) {
-      const auto [from, to] = edge_of(facet, line);
+      const auto [from, to] = edge_vertices(space_, facet, line);
       on_edges_.push_back({from, to, along_edge(from, to, point), point});
     } else {
       on_cuts_.push_back({facet, line, 0, point});
@@ -120,7 +115,7 @@ class Triangulator {
     polygon_.push_back({from, line});
     if (is_facet_edge(line)) {
       if (on_edges_.empty()) return;
-      const auto [lower, upper] = edge_of(facet, line);
+      const auto [lower, upper] = edge_vertices(space_, facet, line);
       const auto points = on_line(on_edges_, lower, upper);
       if (points.empty()) return;
       const double start = along_edge(lower, upper, from), end = along_edge(lower, upper, to);

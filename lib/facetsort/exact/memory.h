@@ -1,0 +1,14 @@
+// Internal to exact: what vectors hold.
+#pragma once
+
+#include <cstddef>
+#include <type_traits>
+
+namespace facetsort::exact_internal {
+
+template <typename... Vectors>
+std::size_t bytes_of(const Vectors&... vectors) {
+  return ((vectors.capacity() * sizeof(typename std::decay_t<Vectors>::value_type)) + ...);
+}
+
+}  // namespace facetsort::exact_internal
