@@ -130,6 +130,7 @@ class Builder {
     e.plane.resize(count);
     e.longest_edge_squared.resize(count);
     e.first_corner.assign(1, 0);
+    e.first_extra_patch.assign(1, 0);
     e.element_of_draw_id.assign(facets() + pieces_.parts.size(), no_element);
     std::vector<std::uint32_t> slot_of(points_.size(), no_element);
     for (std::uint32_t i = 0; i < count; ++i) {
@@ -146,6 +147,8 @@ class Builder {
         e.corner_slot.push_back(slot_of[point]);
       });
       e.first_corner.push_back(static_cast<std::uint32_t>(e.corner_point.size()));
+      const auto corners = static_cast<std::uint32_t>(e.corners(i).size());
+      e.first_extra_patch.push_back(e.first_extra_patch.back() + (corners > 4 ? (corners - 1) / 2 : 0));
     }
     e.slot_blocks.resize((count + BoxBlock::size - 1) / BoxBlock::size);
     for (std::uint32_t i = 0; i < e.slot_blocks.size() * BoxBlock::size; ++i) {
@@ -195,8 +198,6 @@ class Builder {
                                      std::span(around).subspan(begin[slot], begin[slot + 1] - begin[slot]));
       }
     });
-    const auto fans = static_cast<std::size_t>(std::count(simple.begin(), simple.end(), 1));
-    e.tangled = 4 * fans < 3 * slots || 50 * pieces_.parts.size() > e.count();
     e.fan_begin.assign(1, 0);
     for (std::size_t slot = 0; slot < slots; ++slot) {
       if (simple[slot]) {
@@ -259,7 +260,7 @@ class Builder {
 
 std::size_t Elements::memory_bytes() const {
   return bytes_of(facet, draw_id, has_area, plane, longest_edge_squared, first_corner, corner_point, corner_slot,
-                  slot_blocks, slot_point, slot_position, fan_begin, fan_element, element_of_draw_id);
+                  first_extra_patch, slot_blocks, slot_point, slot_position, fan_begin, fan_element, element_of_draw_id);
 }
 
 Elements make_elements(const Points& points, const PartList& pieces, const std::vector<unsigned char>& degenerate,

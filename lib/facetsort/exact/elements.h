@@ -49,12 +49,9 @@ struct Elements {
   std::vector<std::uint32_t> first_corner;  // count() + 1
   std::vector<PointId> corner_point;
   std::vector<std::uint32_t> corner_slot;
+  std::vector<std::uint32_t> first_extra_patch;  // count() + 1: patches of those with more than four corners
 
   std::vector<SlotBlock> slot_blocks;
-  // Whether so many elements are pieces, or lie around vertices that are no simple fans, that there will be many pairs
-  // to compare.
-  bool tangled = false;
-
   std::vector<PointId> slot_point;
   std::vector<glm::dvec3> slot_position;  // in the frame
   // The elements around a slot where those form a simple fan (see below), else none; slots + 1 begins.

@@ -249,7 +249,7 @@ std::size_t ExactSorter::State::bytes_held() const {
 // Whether a comes first by depth; ties go to the smaller draw id.
 bool ExactSorter::State::comes_before(std::uint32_t a, std::uint32_t b) const {
   const std::uint32_t a_id = elements.draw_id[a], b_id = elements.draw_id[b];
-  const float a_key = keys[a_id], b_key = keys[b_id];
+  const float a_key = screen.key(a), b_key = screen.key(b);
   return a_key > b_key || (a_key == b_key && a_id < b_id);
 }
 
@@ -270,22 +270,26 @@ int ExactSorter::State::behind_by_cut(std::uint32_t element, std::uint32_t other
   return 0;
 }
 
-// Whether the first (or else the second) of a pair is behind the other. Exact; the filter decides nearly all.
+// Whether the first (or else the second) of a pair is behind the other. Exact; the filters decide nearly all.
 bool ExactSorter::State::is_behind(const ElementPair& pair, bool first) const {
   const FacetId a_facet = elements.facet[pair.a], b_facet = elements.facet[pair.b];
   if (space.plane_of_facet[a_facet] == space.plane_of_facet[b_facet]) return false;
   const int sign = first ? 1 : -1;
+  if (pair.seen.behind == -sign) return false;
+  if (pair.seen.behind == sign && pair.seen.overlap == Seen::overlapping) return true;
+  const int by_cut = behind_by_cut(pair.a, pair.b) - behind_by_cut(pair.b, pair.a);
+  if (by_cut == -sign) return false;
   Seen seen = pair.seen;
-  if (seen.overlap == Seen::not_compared) {
-    const int by_cut = behind_by_cut(pair.a, pair.b) - behind_by_cut(pair.b, pair.a);
-    if (by_cut == -sign) return false;
-    seen = screen.compare(elements, pair.a, pair.b, sign);
-    if (by_cut != 0) seen.behind = static_cast<std::int8_t>(by_cut);
+  if (seen.overlap != Seen::overlapping) seen = screen.compare(elements, pair.a, pair.b, sign);
+  if (by_cut != 0) seen.behind = static_cast<std::int8_t>(by_cut);
+  if (seen.overlap == Seen::overlapping && seen.behind == 0 && !screen.viewpoint().surrounded) {
+    seen.behind = static_cast<std::int8_t>(screen.behind_where_edges_cross(elements, pair.a, pair.b));
   }
   if (seen.overlap == Seen::apart || seen.behind == -sign) return false;
   if (seen.overlap == Seen::overlapping && seen.behind == sign) return true;
-  return hiding(points, screen.viewpoint(), seen_part(pair.a), seen_part(pair.b)) ==
-         (first ? Hiding::first_behind_second : Hiding::second_behind_first);
+  const Hiding relation = (seen.overlap == Seen::overlapping ? hiding_of_overlapping : hiding)(
+      points, screen.viewpoint(), seen_part(pair.a), seen_part(pair.b));
+  return relation == (first ? Hiding::first_behind_second : Hiding::second_behind_first);
 }
 
 void ExactSorter::State::find_broken() {
@@ -336,8 +340,8 @@ void ExactSorter::State::edges_of(std::uint32_t element, std::uint32_t root) {
   if (element != root) {
     ++statistics.searches;
     ScreenBox box = screen.box(element);
-    box.lowest[3] = keys[elements.draw_id[element]];
-    box.highest[3] = keys[elements.draw_id[root]];
+    box.lowest[of_key] = screen.key(element);
+    box.highest[of_key] = screen.key(root);
     nearby.clear();
     collect_overlapping(screen.screenful(elements), element, box, drawn, nearby);
     for (const ElementPair& pair : nearby) {

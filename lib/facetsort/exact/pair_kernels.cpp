@@ -6,6 +6,8 @@
 #include <hwy/highway.h>
 
 #include <bit>
+#include <cstring>
+#include <limits>
 
 HWY_BEFORE_NAMESPACE();
 namespace facetsort::exact_internal::HWY_NAMESPACE {
@@ -13,7 +15,6 @@ namespace facetsort::exact_internal::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 using Floats = hn::CappedTag<float, BoxBlock::size>;
-using Doubles = hn::CappedTag<double, BoxBlock::size>;
 
 template <class Tag, class Mask>
 HWY_INLINE unsigned bits_of(Tag tag, Mask mask) {
@@ -22,17 +23,18 @@ HWY_INLINE unsigned bits_of(Tag tag, Mask mask) {
   return bits[0];
 }
 
-// Bit i: box i of the block overlaps `box`.
+// Bit i: box i of the block overlaps `box` on the screen and in `dimension`.
+template <BoxDimension dimension>
 HWY_INLINE unsigned overlapping(const BoxBlock& block, const ScreenBox& box) {
   const Floats tag;
   unsigned result = 0;
   for (std::size_t at = 0; at < BoxBlock::size; at += hn::Lanes(tag)) {
-    auto all = hn::Le(hn::Load(tag, block.lowest[0] + at), hn::Set(tag, box.highest[0]));
-    all = hn::And(all, hn::Le(hn::Set(tag, box.lowest[0]), hn::Load(tag, block.highest[0] + at)));
-    for (std::size_t d = 1; d < box_dimensions; ++d) {
-      all = hn::And(all, hn::Le(hn::Load(tag, block.lowest[d] + at), hn::Set(tag, box.highest[d])));
-      all = hn::And(all, hn::Le(hn::Set(tag, box.lowest[d]), hn::Load(tag, block.highest[d] + at)));
-    }
+    const auto overlap_in = [&](std::size_t d) HWY_ATTR {
+      return hn::And(hn::Le(hn::Load(tag, block.lowest[d] + at), hn::Set(tag, box.highest[d])),
+                     hn::Le(hn::Set(tag, box.lowest[d]), hn::Load(tag, block.highest[d] + at)));
+    };
+    auto all = overlap_in(dimension);
+    for (const std::size_t d : {across, down, diagonal, other_diagonal}) all = hn::And(all, overlap_in(d));
     result |= bits_of(tag, all) << at;
   }
   return result;
@@ -52,147 +54,250 @@ HWY_INLINE unsigned having_corner(const SlotBlock& block, std::uint32_t slot) {
   return result;
 }
 
-// One triangle, in every lane.
-struct Row {
-  double slot[3], x[3], y[3], nearness[3], facing;
+// Pairs of patches yet to be compared, up to eight, those of one pair of elements in neighbouring lanes.
+struct Candidates {
+  std::uint32_t a[BoxBlock::size], b[BoxBlock::size];  // patches
+  std::size_t count = 0;
+  std::uint32_t a_element[BoxBlock::size], b_element[BoxBlock::size];  // of pairs
+  unsigned lanes[BoxBlock::size];                                      // bits
+  std::size_t pairs = 0;
+};
 
-  Row(const TriangleBlock& block, std::size_t lane) : facing(block.facing[lane]) {
-    for (int i = 0; i < 3; ++i) {
-      slot[i] = block.slot[i][lane];
-      x[i] = block.x[i][lane];
-      y[i] = block.y[i][lane];
-      nearness[i] = block.nearness[i][lane];
+// Corner k of eight patches, one in each lane.
+struct Corners {
+  alignas(64) Patch::Corner corner[4][BoxBlock::size];
+
+  void load(std::span<const Patch> patches, const std::uint32_t (&used)[BoxBlock::size]) {
+    for (std::size_t lane = 0; lane < BoxBlock::size; ++lane) {
+      const Patch& patch = patches[used[lane]];
+      for (int k = 0; k < 4; ++k) std::memcpy(&corner[k][lane], &patch.corner[k], sizeof(Patch::Corner));
     }
   }
 };
 
-// Bits of lanes.
-struct Comparison {
-  unsigned apart = 0, overlapping = 0;
-  unsigned row_behind = 0, row_in_front = 0;  // if they overlap
-};
+// Screen::compare() of pairs, for patches of `count` corners: 3 where all are triangles. Appends those that are neither
+// certainly apart nor certainly in the order that is `allowed`: +1, the first behind; -1, the second; 0, the one with
+// the larger key.
+template <int count>
+HWY_NOINLINE void compare_candidates(const Screenful& screen, Candidates& candidates, int allowed,
+                                     std::vector<ElementPair>& pairs) {
+  using Slots = hn::RebindToUnsigned<Floats>;
+  using Vec = hn::Vec<Floats>;
+  using Mask = hn::Mask<Floats>;
+  const Floats tag;
+  const Slots slot_tag;
+  for (std::size_t lane = candidates.count; lane < BoxBlock::size; ++lane) {
+    candidates.a[lane] = candidates.a[0];
+    candidates.b[lane] = candidates.b[0];
+  }
+  Corners a_corners, b_corners;
+  a_corners.load(screen.patches, candidates.a);
+  b_corners.load(screen.patches, candidates.b);
 
-// Screen::compare(), for a triangle and those of a block.
-HWY_INLINE Comparison compare_lanes(const Row& row, const TriangleBlock& block, double rounding) {
-  const Doubles tag;
-  Comparison result;
-  const double error = 4 * rounding;
+  unsigned apart_lanes = 0, overlapping_lanes = 0, a_behind_lanes = 0, b_behind_lanes = 0;
+  const auto margin = hn::Set(tag, screen.rounding);
   const auto none = hn::FirstN(tag, 0);
-  const auto margin = hn::Set(tag, error);
+  const auto infinite = hn::Set(tag, std::numeric_limits<float>::max());
   for (std::size_t at = 0; at < BoxBlock::size; at += hn::Lanes(tag)) {
-    // Vectors of row's corners and of the lanes'.
-    hn::Vec<Doubles> ax[3], ay[3], an[3], bx[3], by[3], bn[3];
-    hn::Mask<Doubles> shared[3][3];
-    for (int i = 0; i < 3; ++i) {
-      ax[i] = hn::Set(tag, row.x[i]);
-      ay[i] = hn::Set(tag, row.y[i]);
-      an[i] = hn::Set(tag, row.nearness[i]);
-      bx[i] = hn::Load(tag, block.x[i] + at);
-      by[i] = hn::Load(tag, block.y[i] + at);
-      bn[i] = hn::Load(tag, block.nearness[i] + at);
-    }
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) {
-        shared[i][j] = hn::Eq(hn::Set(tag, row.slot[i]), hn::Load(tag, block.slot[j] + at));
+    Vec ax[4], ay[4], an[4], bx[4], by[4], bn[4];
+    hn::Vec<Slots> a_slot[4], b_slot[4];
+    const auto load = [&](const Corners& corners, Vec* x, Vec* y, Vec* n, hn::Vec<Slots>* slot) HWY_ATTR {
+      for (int i = 0; i < count; ++i) {
+        Vec s;
+        hn::LoadInterleaved4(tag, &corners.corner[i][at].x, x[i], y[i], n[i], s);
+        slot[i] = hn::BitCast(slot_tag, s);
+      }
+    };
+    load(a_corners, ax, ay, an, a_slot);
+    load(b_corners, bx, by, bn, b_slot);
+    // Relative to a corner, and how far apart corners of the two are at most.
+    const auto local = [&](Vec* of_a, Vec* of_b) HWY_ATTR {
+      const Vec origin = of_a[0];
+      Vec lowest = hn::Zero(tag), highest = hn::Zero(tag);
+      of_a[0] = hn::Zero(tag);
+      for (int i = 0; i < count; ++i) {
+        if (i > 0) of_a[i] = hn::Sub(of_a[i], origin);
+        of_b[i] = hn::Sub(of_b[i], origin);
+        lowest = hn::Min(lowest, hn::Min(of_a[i], of_b[i]));
+        highest = hn::Max(highest, hn::Max(of_a[i], of_b[i]));
+      }
+      return hn::Sub(highest, lowest);
+    };
+    const auto reach_on_screen = hn::Add(margin, hn::Add(local(ax, bx), local(ay, by)));
+    const auto reach = hn::Add(reach_on_screen, local(an, bn));
+    const auto edge_bound = hn::Mul(hn::Mul(hn::Set(tag, 4.0f), margin), reach_on_screen);
+
+    Mask shared[4][4], a_shared[4], b_shared[4];
+    for (int i = 0; i < count; ++i) {
+      for (int j = 0; j < count; ++j) {
+        shared[i][j] = hn::RebindMask(tag, hn::Eq(a_slot[i], b_slot[j]));
+        a_shared[i] = j == 0 ? shared[i][j] : hn::Or(a_shared[i], shared[i][j]);
+        b_shared[j] = i == 0 ? shared[i][j] : hn::Or(b_shared[j], shared[i][j]);
       }
     }
-    const auto a_facing = hn::Set(tag, row.facing), b_facing = hn::Load(tag, block.facing + at);
 
-    hn::Mask<Doubles> apart = none, overlap_sure = hn::Not(none);
-    const auto test_edges = [&](const auto& px, const auto& py, const auto& facing, const auto& qx, const auto& qy,
+    // Whether some edge of one has all of the other on its outer side. Corners that they share lie on the edge.
+    Mask apart = none, overlap_sure = hn::Not(none);
+    const auto test_edges = [&](const Vec* px, const Vec* py, const hn::Vec<Slots>* p_slot, const Vec* qx, const Vec* qy,
                                 const auto& is_shared) HWY_ATTR {
-      for (int i = 0; i < 3; ++i) {
-        const int to = (i + 1) % 3;
-        const auto ex = hn::Mul(facing, hn::Sub(px[to], px[i])), ey = hn::Mul(facing, hn::Sub(py[to], py[i]));
-        const auto edge = hn::Add(hn::Add(hn::Abs(ex), hn::Abs(ey)), margin);
-        hn::Mask<Doubles> all_outside = hn::Not(none), any_inside = none;
-        for (int j = 0; j < 3; ++j) {
+      for (int i = 0; i < count; ++i) {
+        const int to = (i + 1) % count;
+        const auto ex = hn::Sub(px[to], px[i]), ey = hn::Sub(py[to], py[i]);
+        const auto offset = hn::MulSub(ey, px[i], hn::Mul(ex, py[i]));
+        Vec outward = infinite;  // of the innermost corner
+        for (int j = 0; j < count; ++j) {
           const auto on_edge = hn::Or(is_shared(i, j), is_shared(to, j));
-          const auto rx = hn::Sub(qx[j], px[i]), ry = hn::Sub(qy[j], py[i]);
-          const auto outward = hn::Sub(hn::Mul(ex, ry), hn::Mul(ey, rx));
-          const auto bound = hn::Mul(margin, hn::Add(edge, hn::Add(hn::Abs(rx), hn::Abs(ry))));
-          all_outside = hn::And(all_outside, hn::Or(on_edge, hn::Gt(outward, bound)));
-          any_inside = hn::Or(any_inside, hn::AndNot(on_edge, hn::Lt(outward, hn::Neg(bound))));
+          const auto of_corner = hn::MulAdd(ex, qy[j], hn::NegMulAdd(ey, qx[j], offset));
+          outward = hn::Min(outward, hn::IfThenElse(on_edge, infinite, of_corner));
+        }
+        Mask all_outside = hn::Gt(outward, edge_bound), any_inside = hn::Lt(outward, hn::Neg(edge_bound));
+        if (count == 4 && i == 2) {  // of a triangle this is no edge
+          const auto is_edge = hn::RebindMask(tag, hn::Ne(p_slot[2], p_slot[3]));
+          all_outside = hn::And(all_outside, is_edge);
+          any_inside = hn::Or(any_inside, hn::Not(is_edge));
         }
         apart = hn::Or(apart, all_outside);
         overlap_sure = hn::And(overlap_sure, any_inside);
       }
     };
-    test_edges(ax, ay, a_facing, bx, by, [&](int i, int j) HWY_ATTR { return shared[i][j]; });
-    test_edges(bx, by, b_facing, ax, ay, [&](int i, int j) HWY_ATTR { return shared[j][i]; });
+    test_edges(ax, ay, a_slot, bx, by, [&](int i, int j) HWY_ATTR { return shared[i][j]; });
+    test_edges(bx, by, b_slot, ax, ay, [&](int i, int j) HWY_ATTR { return shared[j][i]; });
 
     // Sides of the other's corners; those that are shared are in the plane.
-    hn::Mask<Doubles> near = none, far = none;
-    const auto test_side = [&](const auto& px, const auto& py, const auto& pn, const auto& facing, const auto& qx,
-                               const auto& qy, const auto& qn, const auto& is_shared) HWY_ATTR {
-      const auto ux = hn::Sub(px[1], px[0]), uy = hn::Sub(py[1], py[0]), un = hn::Sub(pn[1], pn[0]);
-      const auto vx = hn::Sub(px[2], px[0]), vy = hn::Sub(py[2], py[0]), vn = hn::Sub(pn[2], pn[0]);
-      const auto minus = hn::Neg(facing);
-      const auto nx = hn::Mul(minus, hn::Sub(hn::Mul(uy, vn), hn::Mul(un, vy)));
-      const auto ny = hn::Mul(minus, hn::Sub(hn::Mul(un, vx), hn::Mul(ux, vn)));
-      const auto nn = hn::Mul(minus, hn::Sub(hn::Mul(ux, vy), hn::Mul(uy, vx)));
+    Mask near = none, far = none;
+    const auto test_side = [&](const Vec* px, const Vec* py, const Vec* pn, const Vec* qx, const Vec* qy, const Vec* qn,
+                               const Mask* is_shared) HWY_ATTR {
+      const int last = count - 1;
+      const auto ux = hn::Sub(px[2], px[0]), uy = hn::Sub(py[2], py[0]), un = hn::Sub(pn[2], pn[0]);
+      const auto vx = hn::Sub(px[last], px[1]), vy = hn::Sub(py[last], py[1]), vn = hn::Sub(pn[last], pn[1]);
+      const auto nx = hn::MulSub(un, vy, hn::Mul(uy, vn));
+      const auto ny = hn::MulSub(ux, vn, hn::Mul(un, vx));
+      const auto nn = hn::MulSub(uy, vx, hn::Mul(ux, vy));
       const auto su = hn::Add(margin, hn::Add(hn::Abs(ux), hn::Add(hn::Abs(uy), hn::Abs(un))));
       const auto sv = hn::Add(margin, hn::Add(hn::Abs(vx), hn::Add(hn::Abs(vy), hn::Abs(vn))));
-      const auto product = hn::Mul(su, sv);
-      const auto twice = hn::Add(margin, margin), relative = hn::Set(tag, 0x1p-48);
-      near = far = hn::Not(none);
-      hn::Mask<Doubles> all_shared = hn::Not(none);
-      for (int j = 0; j < 3; ++j) {
-        const auto in_plane = hn::Or(is_shared(0, j), hn::Or(is_shared(1, j), is_shared(2, j)));
-        const auto wx = hn::Sub(qx[j], px[0]), wy = hn::Sub(qy[j], py[0]), wn = hn::Sub(qn[j], pn[0]);
-        const auto sw = hn::Add(margin, hn::Add(hn::Abs(wx), hn::Add(hn::Abs(wy), hn::Abs(wn))));
-        const auto value = hn::Add(hn::Mul(nx, wx), hn::Add(hn::Mul(ny, wy), hn::Mul(nn, wn)));
-        const auto rounding_of_points = hn::Mul(twice, hn::Add(product, hn::Mul(hn::Add(su, sv), sw)));
-        const auto bound = hn::Add(rounding_of_points, hn::Mul(relative, hn::Mul(product, sw)));
-        near = hn::And(near, hn::Or(in_plane, hn::Gt(value, bound)));
-        far = hn::And(far, hn::Or(in_plane, hn::Lt(value, hn::Neg(bound))));
-        all_shared = hn::And(all_shared, in_plane);
+      const auto product = hn::Mul(su, sv), six = hn::Mul(hn::Set(tag, 6.0f), margin);
+      // Of the coordinates that enter, and of products of three differences.
+      const auto bound = hn::MulAdd(six, hn::MulAdd(hn::Add(su, sv), reach, product),
+                                    hn::Mul(hn::Mul(hn::Set(tag, 0x1p-19f), product), reach));
+      const auto offset = hn::MulAdd(nx, px[0], hn::MulAdd(ny, py[0], hn::Mul(nn, pn[0])));
+      Vec lowest = infinite, highest = hn::Neg(infinite);
+      for (int j = 0; j < count; ++j) {
+        const auto value = hn::MulAdd(nx, qx[j], hn::MulAdd(ny, qy[j], hn::MulSub(nn, qn[j], offset)));
+        lowest = hn::Min(lowest, hn::IfThenElse(is_shared[j], infinite, value));
+        highest = hn::Max(highest, hn::IfThenElse(is_shared[j], hn::Neg(infinite), value));
       }
-      near = hn::AndNot(all_shared, near);
-      far = hn::AndNot(all_shared, far);
+      // Where all are shared, nothing is known.
+      near = hn::And(hn::Gt(lowest, bound), hn::Gt(highest, bound));
+      far = hn::And(hn::Lt(highest, hn::Neg(bound)), hn::Lt(lowest, hn::Neg(bound)));
     };
-    test_side(ax, ay, an, a_facing, bx, by, bn, [&](int i, int j) HWY_ATTR { return shared[i][j]; });
+    test_side(ax, ay, an, bx, by, bn, b_shared);
     const auto b_near = near, b_far = far;
-    test_side(bx, by, bn, b_facing, ax, ay, an, [&](int i, int j) HWY_ATTR { return shared[j][i]; });
+    test_side(bx, by, bn, ax, ay, an, a_shared);
     const auto known = hn::Or(b_near, b_far);
-    const auto row_behind = hn::Or(b_near, hn::AndNot(known, far));
-    const auto row_in_front = hn::Or(b_far, hn::AndNot(known, near));
+    const auto a_behind = hn::Or(b_near, hn::AndNot(known, far));
+    const auto b_behind = hn::Or(b_far, hn::AndNot(known, near));
 
-    result.apart |= bits_of(tag, apart) << at;
-    result.overlapping |= bits_of(tag, overlap_sure) << at;
-    result.row_behind |= bits_of(tag, row_behind) << at;
-    result.row_in_front |= bits_of(tag, row_in_front) << at;
+    apart_lanes |= bits_of(tag, apart) << at;
+    overlapping_lanes |= bits_of(tag, overlap_sure) << at;
+    a_behind_lanes |= bits_of(tag, a_behind) << at;
+    b_behind_lanes |= bits_of(tag, b_behind) << at;
   }
-  return result;
+  for (std::size_t i = 0; i < candidates.pairs; ++i) {
+    const std::uint32_t a = candidates.a_element[i], b = candidates.b_element[i];
+    const int wanted = allowed != 0 ? -allowed : (screen.keys[a] < screen.keys[b]) - (screen.keys[a] > screen.keys[b]);
+    const unsigned lanes = candidates.lanes[i];
+    // Parts do not cross: what holds where two of their patches overlap holds for all of them.
+    const unsigned surely = lanes & overlapping_lanes;
+    const int behind = (lanes & ~(apart_lanes | a_behind_lanes)) == 0   ? 1
+                       : (lanes & ~(apart_lanes | b_behind_lanes)) == 0 ? -1
+                       : (surely & a_behind_lanes) != 0                 ? 1
+                       : (surely & b_behind_lanes) != 0                 ? -1
+                                                                        : 0;
+    if ((lanes & ~apart_lanes) == 0 || (behind != 0 && behind == -wanted)) continue;
+    pairs.push_back({a, b, {surely != 0 ? Seen::overlapping : Seen::either, static_cast<std::int8_t>(behind)}});
+  }
+  candidates.count = candidates.pairs = 0;
 }
 
-// Appends the pairs of the row with the lanes in the mask.
-HWY_INLINE void append_pairs(const Screenful& screen, std::uint32_t element, std::size_t other, unsigned mask,
-                             std::vector<ElementPair>& pairs) {
-  const std::size_t own = element / BoxBlock::size, own_lane = element % BoxBlock::size;
-  unsigned polygons = 0xffu;
-  Comparison comparison;
-  if (!screen.triangles.empty() && screen.slots[own].slot[0][own_lane] != SlotBlock::no_slot) {
-    polygons = having_corner(screen.slots[other], SlotBlock::no_slot);
-    if ((mask & ~polygons) != 0) {
-      comparison = compare_lanes(Row(screen.triangles[own], own_lane), screen.triangles[other], screen.rounding);
-    }
-  }
-  mask &= polygons | ~comparison.apart;
-  for (; mask != 0; mask &= mask - 1) {
-    const auto lane = static_cast<unsigned>(std::countr_zero(mask));
-    const unsigned bit = 1u << lane;
-    Seen seen{Seen::not_compared, 0};
-    if ((polygons & bit) == 0) {
-      seen.overlap = (comparison.overlapping & bit) != 0 ? Seen::overlapping : Seen::either;
-      seen.behind = static_cast<std::int8_t>(((comparison.row_behind & bit) != 0) - ((comparison.row_in_front & bit) != 0));
-    }
-    pairs.push_back({element, static_cast<std::uint32_t>(other * BoxBlock::size + lane), seen});
-  }
-}
+// Compares the pairs of boxes that overlap, in batches of eight.
+class PairFilter {
+ public:
+  PairFilter(const Screenful& screen, int allowed, std::vector<ElementPair>& pairs)
+      : screen_(screen), allowed_(allowed), pairs_(pairs) {}
 
-// Calls visit(block) for the blocks of levels[0] from `first` on whose boxes overlap `box`, in ascending order.
-template <class Visit>
+  // The element with those in the mask of a block.
+  HWY_INLINE void add(std::uint32_t element, std::size_t block, unsigned mask) {
+    for (; mask != 0; mask &= mask - 1) {
+      const auto lane = static_cast<unsigned>(std::countr_zero(mask));
+      const auto other = static_cast<std::uint32_t>(block * BoxBlock::size + lane);
+      if (screen_.patches.empty()) {
+        pairs_.push_back({element, other, {Seen::not_compared, 0}});
+        continue;
+      }
+      const Patch &a = screen_.patches[element], &b = screen_.patches[other];
+      if (a.is_one() && b.is_one()) {
+        Candidates& candidates = a.is_triangle() && b.is_triangle() ? triangles_ : others_;
+        add_lane(candidates, element, other);
+        end_pair(candidates, element, other, 1);
+      } else {
+        add_several(element, other);
+      }
+    }
+  }
+
+  void finish() {
+    if (triangles_.count != 0) compare(triangles_);
+    if (others_.count != 0) compare(others_);
+  }
+
+ private:
+  static HWY_INLINE void add_lane(Candidates& candidates, std::uint32_t a_patch, std::uint32_t b_patch) {
+    candidates.a[candidates.count] = a_patch;
+    candidates.b[candidates.count++] = b_patch;
+  }
+
+  HWY_INLINE void end_pair(Candidates& candidates, std::uint32_t a, std::uint32_t b, std::size_t lanes) {
+    candidates.a_element[candidates.pairs] = a;
+    candidates.b_element[candidates.pairs] = b;
+    candidates.lanes[candidates.pairs++] = ((1u << lanes) - 1) << (candidates.count - lanes);
+    if (candidates.count == BoxBlock::size) compare(candidates);
+  }
+
+  void add_several(std::uint32_t element, std::uint32_t other) {
+    const Patch &a = screen_.patches[element], &b = screen_.patches[other];
+    const std::uint32_t a_first = a.is_one() ? element : a.first_of_several();
+    const std::uint32_t b_first = b.is_one() ? other : b.first_of_several();
+    const std::uint32_t a_count = a.is_one() ? 1 : a.number_of_several();
+    const std::uint32_t b_count = b.is_one() ? 1 : b.number_of_several();
+    const std::size_t lanes = std::size_t{a_count} * b_count;
+    if (a.is_unknown() || b.is_unknown() || lanes > BoxBlock::size) {
+      pairs_.push_back({element, other, {Seen::not_compared, 0}});
+      return;
+    }
+    if (others_.count + lanes > BoxBlock::size) compare(others_);
+    for (std::uint32_t i = 0; i < a_count; ++i) {
+      for (std::uint32_t j = 0; j < b_count; ++j) add_lane(others_, a_first + i, b_first + j);
+    }
+    end_pair(others_, element, other, lanes);
+  }
+
+  void compare(Candidates& candidates) {
+    if (&candidates == &triangles_) {
+      compare_candidates<3>(screen_, candidates, allowed_, pairs_);
+    } else {
+      compare_candidates<4>(screen_, candidates, allowed_, pairs_);
+    }
+  }
+
+  const Screenful& screen_;
+  int allowed_;
+  std::vector<ElementPair>& pairs_;
+  Candidates triangles_, others_;
+};
+
+// Calls visit(block) for the blocks of levels[0] from `first` on whose boxes overlap `box` on the screen and in
+// `dimension`, in ascending order.
+template <BoxDimension dimension, class Visit>
 HWY_INLINE void for_each_block(BoxLevels levels, const ScreenBox& box, std::size_t first, const Visit& visit) {
   if (levels.size() == 1) return visit(std::size_t{0});
   struct Node {
@@ -204,7 +309,7 @@ HWY_INLINE void for_each_block(BoxLevels levels, const ScreenBox& box, std::size
   stack[depth++] = {levels.size() - 1, 0};
   while (depth > 0) {
     const Node node = stack[--depth];
-    unsigned mask = overlapping(levels[node.level][node.block], box);
+    unsigned mask = overlapping<dimension>(levels[node.level][node.block], box);
     const std::size_t below = node.level - 1;  // the level whose blocks the boxes of this one bound
     const std::size_t first_child = first >> 3 * below;
     if (below == 0) {
@@ -239,35 +344,39 @@ std::size_t CollectPairs(const Screenful& screen, std::size_t leaf, std::vector<
     }
   }
   std::size_t found = 0;
-  for_each_block(levels, leaf_box, leaf, [&](std::size_t other) {
+  PairFilter filter(screen, 0, pairs);
+  for_each_block<in_depth>(levels, leaf_box, leaf, [&](std::size_t other) {
     unsigned rows = 0xffu;
-    if (other != leaf) rows = overlapping(block, levels[1][other / BoxBlock::size].box(other % BoxBlock::size));
+    if (other != leaf) rows = overlapping<in_depth>(block, levels[1][other / BoxBlock::size].box(other % BoxBlock::size));
     for (; rows != 0; rows &= rows - 1) {
       const unsigned i = static_cast<unsigned>(std::countr_zero(rows));
-      unsigned mask = overlapping(levels[0][other], boxes[i]);
+      unsigned mask = overlapping<in_depth>(levels[0][other], boxes[i]);
       if (other == leaf) mask &= 0xfeu << i;
       if (mask == 0) continue;
       found += static_cast<std::size_t>(std::popcount(mask));
       for (int k = 0; k < 3; ++k) {
         if (flat[k][i]) mask &= ~having_corner(screen.slots[other], corners.slot[k][i]);
       }
-      if (mask != 0) append_pairs(screen, static_cast<std::uint32_t>(leaf * BoxBlock::size + i), other, mask, pairs);
+      filter.add(static_cast<std::uint32_t>(leaf * BoxBlock::size + i), other, mask);
     }
   });
+  filter.finish();
   return found;
 }
 
 void CollectOverlapping(const Screenful& screen, std::uint32_t element, const ScreenBox& box,
                         std::span<const unsigned char> skip, std::vector<ElementPair>& pairs) {
-  for_each_block(screen.boxes, box, 0, [&](std::size_t other) {
-    unsigned mask = overlapping(screen.boxes[0][other], box);
+  PairFilter filter(screen, 1, pairs);
+  for_each_block<of_key>(screen.boxes, box, 0, [&](std::size_t other) {
+    unsigned mask = overlapping<of_key>(screen.boxes[0][other], box);
     for (unsigned left = mask; left != 0; left &= left - 1) {
       const auto lane = static_cast<unsigned>(std::countr_zero(left));
       if (skip[other * BoxBlock::size + lane] != 0) mask ^= 1u << lane;
     }
     if (other == element / BoxBlock::size) mask &= ~(1u << element % BoxBlock::size);
-    if (mask != 0) append_pairs(screen, element, other, mask, pairs);
+    filter.add(element, other, mask);
   });
+  filter.finish();
 }
 
 }  // namespace facetsort::exact_internal::HWY_NAMESPACE

@@ -9,7 +9,10 @@
 
 namespace facetsort::exact_internal {
 
-inline constexpr std::size_t box_dimensions = 4;  // x, y, z on the screen, and depth
+// What a box bounds. On the plane of the screen `diagonal` is x + y: with the two diagonals, thin facets askew have tight
+// boxes. On the sphere it is z.
+enum BoxDimension : std::size_t { across, down, diagonal, other_diagonal, in_depth, of_key };
+inline constexpr std::size_t box_dimensions = 6;
 
 struct ScreenBox {
   std::array<float, box_dimensions> lowest, highest;
@@ -37,20 +40,29 @@ struct alignas(32) SlotBlock {
   std::uint32_t slot[3][BoxBlock::size];
 };
 
-// The corners of eight triangles as they are seen. Lanes that hold no triangle, but a polygon or nothing, have slot no_slot.
-struct alignas(64) TriangleBlock {
-  static constexpr double no_slot = -1;
+// An element as it is seen, rounded: its corners clockwise with y down, the last of a triangle twice.
+struct alignas(64) Patch {
+  static constexpr std::uint32_t unknown = 0xffffffffu, several = 0xfffffffeu;
 
-  double slot[3][BoxBlock::size];
-  // On the screen, y down, and nearness (see ScreenPoint).
-  double x[3][BoxBlock::size], y[3][BoxBlock::size], nearness[3][BoxBlock::size];
-  double facing[BoxBlock::size];
+  struct Corner {
+    float x, y, nearness;  // see ScreenPoint
+    std::uint32_t slot;
+  };
+  Corner corner[4];
+
+  // Of what has more corners, the slots tell that there are several patches, where the first is, and how many there are;
+  // together they make up the element. What has no area on the screen is unknown.
+  bool is_one() const { return corner[0].slot < several; }
+  bool is_unknown() const { return corner[0].slot == unknown; }
+  bool is_triangle() const { return corner[3].slot == corner[2].slot; }
+  std::uint32_t first_of_several() const { return corner[1].slot; }
+  std::uint32_t number_of_several() const { return corner[2].slot; }
 };
 
 // levels[0]: boxes of elements; levels[k]: boxes of the blocks of levels[k - 1]; the last is one block.
 using BoxLevels = std::span<const std::vector<BoxBlock>>;
 
-// What a filter in double can tell of two elements.
+// What a filter can tell of two elements.
 struct Seen {
   enum Overlap : std::uint8_t { apart, overlapping, either, not_compared } overlap;
   // Which is behind the other if they overlap: +1 the first, -1 the second, 0 can't tell.
@@ -62,22 +74,23 @@ struct ElementPair {
   Seen seen;
 };
 
-// What the search reads. Blocks of elements: boxes.front() and triangles.
+// What the search reads.
 struct Screenful {
   BoxLevels boxes;
   std::span<const SlotBlock> slots;
-  std::span<const TriangleBlock> triangles;  // none: all pairs are not_compared
+  std::span<const Patch> patches;  // of elements, then those of which there are several; none: nothing is compared
+  std::span<const float> keys;     // of elements: larger is farther
   std::span<const unsigned char> flat_fan;  // by slot
-  double rounding;                          // of the coordinates of triangles
+  float rounding;                           // of the coordinates of patches
 };
 
-// Appends the pairs of elements whose boxes overlap, a in block `leaf` and b after a, but those that share a slot of a
-// flat fan and those that are certainly apart on the screen. Pairs with a polygon are not_compared. Returns how many
-// boxes overlap, pairs left out included.
+// Appends the pairs of elements whose boxes overlap on the screen and in depth, a in block `leaf` and b after a, but those that share a slot of a
+// flat fan, those that are certainly apart on the screen, and those where the one behind certainly is the one with the
+// larger key. Returns how many boxes overlap, pairs left out included.
 std::size_t collect_pairs(const Screenful& screen, std::size_t leaf, std::vector<ElementPair>& pairs);
 
-// Appends the pairs of `element` with those whose boxes overlap `box`, but those certainly apart, and those for which
-// skip[element] != 0.
+// Appends the pairs of `element` with those whose boxes overlap `box` on the screen and in keys, but those certainly apart, those certainly in front
+// of `element`, and those for which skip[element] != 0.
 void collect_overlapping(const Screenful& screen, std::uint32_t element, const ScreenBox& box,
                          std::span<const unsigned char> skip, std::vector<ElementPair>& pairs);
 

@@ -22,9 +22,8 @@ constexpr double nearest_squared = 0x1p-48;
 constexpr float unknown_direction = 4;
 
 // On the screen all of the mesh, which is about 1 in size, lies within 75 degrees of the axis and no nearer to the eye's
-// plane than this; coordinates, in units of the eye's distance, are then at most 16.
+// plane than this.
 constexpr double nearest_depth = 0x1p-6;
-constexpr double largest_coordinate = 16;
 
 double magnitude(double x, double y) { return std::abs(x) + std::abs(y); }
 double magnitude(const glm::dvec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); }
@@ -37,8 +36,8 @@ int eye_side(const Points& points, const FilteredPlane& plane, FacetId facet, co
   return side_of_plane(mesh.corner(facet, 0), mesh.corner(facet, 1), mesh.corner(facet, 2), eye);
 }
 
-// A unit vector across `axis`.
-glm::dvec3 across(const glm::dvec3& axis) {
+// A unit vector.
+glm::dvec3 perpendicular_to(const glm::dvec3& axis) {
   const glm::dvec3 a = glm::abs(axis);
   const glm::dvec3 other = a.x <= a.y && a.x <= a.z ? glm::dvec3(1, 0, 0) : a.y <= a.z ? glm::dvec3(0, 1, 0)
                                                                                       : glm::dvec3(0, 0, 1);
@@ -66,14 +65,26 @@ void Screen::choose_projection(const Elements& elements, const Eye& eye) {
       if (!(depth > widest * glm::length(q)) || !(depth > nearest_depth)) viewpoint_.surrounded = true;
     }
   }
-  right_ = across(forward_);
+  right_ = perpendicular_to(forward_);
   down_ = glm::cross(forward_, right_);
+  // Depths are off by some 2^-49 and the error of constructed points.
+  rounding_ = 0x1p-48 + 2 * elements.largest_error;
+  if (viewpoint_.surrounded) return;
+  unit_ = largest_ = 1;
+  double nearest = 1;
+  if (perspective_) {
+    const double distance = glm::length(eye_);
+    nearest = distance - glm::dot(glm::abs(forward_), elements.extent);
+    unit_ = std::max(distance, 1.0);  // so that a far eye's screen is about as large as the mesh
+    largest_ = unit_ / nearest;
+  }
+  largest_ *= std::max(magnitude(elements.extent), 1.0);
+  rounding_ *= 4 * largest_ / std::min(nearest, 1.0);
 }
 
 void Screen::see_points(const Elements& elements) {
   seen_.resize(elements.slot_position.size());
   const double distance = glm::length(eye_);
-  const double unit = std::max(distance, 1.0);  // so that a far eye's screen is about as large as the mesh
   const double nearest_known =
       std::max(nearest_squared * (1 + glm::dot(elements.extent, elements.extent)),
                0x1p+46 * elements.largest_error * elements.largest_error);
@@ -91,11 +102,13 @@ void Screen::see_points(const Elements& elements) {
       } else {
         // The eye is left out where right and down are across the axis through it: far eyes cost no digits.
         const double depth = glm::dot(forward_, p);
-        const double scale = perspective_ ? unit / (depth + distance) : 1.0;
+        const double scale = perspective_ ? unit_ / (depth + distance) : 1.0;
         const double x = glm::dot(right_, p) * scale, y = glm::dot(down_, p) * scale;
-        seen_[slot] = {static_cast<float>(x), static_cast<float>(y), 0, static_cast<float>(depth)};
         // For a far eye reciprocal depths are all alike: relative to that of the centre, times the distance.
-        screen_points_[slot] = {x, y, perspective_ ? -depth * scale : -depth};
+        const double nearness = -depth * scale;
+        seen_[slot] = {static_cast<float>(x), static_cast<float>(y), static_cast<float>(-nearness),
+                       static_cast<float>(depth)};
+        screen_points_[slot] = {x, y, nearness};
       }
     }
   });
@@ -108,12 +121,10 @@ void Screen::place_elements(const Points& points, const Elements& elements, std:
   const std::size_t blocks = (count + BoxBlock::size - 1) / BoxBlock::size;
   levels_.resize(std::max<std::size_t>(levels_.size(), 1));
   levels_[0].resize(blocks);
-  triangles_.resize(elements.tangled && !viewpoint_.surrounded ? blocks : 0);
+  keys_.resize(count);
+  patches_.resize(viewpoint_.surrounded ? 0 : count + elements.first_extra_patch.back());
   const bool surrounded = viewpoint_.surrounded;
-  const auto screen_margin =
-      static_cast<float>(float_rounding * (surrounded ? 1 : largest_coordinate) + rounding_);
-  const auto depth_rounding =
-      static_cast<float>(4 * float_rounding * magnitude(elements.extent) + 4 * elements.largest_error);
+  const auto screen_margin = static_cast<float>(4 * float_rounding * (surrounded ? 1 : largest_) + 2 * rounding_);
   parallel_ranges(blocks, blocks_per_task, [&](std::size_t first, std::size_t last) {
     for (std::size_t block = first; block < last; ++block) {
       BoxBlock& boxes = levels_[0][block];
@@ -127,22 +138,29 @@ void Screen::place_elements(const Points& points, const Elements& elements, std:
           const auto slots = elements.slots(element);
           for (const std::uint32_t slot : slots) {
             const SeenPoint& p = seen_[slot];
-            const float c[box_dimensions] = {p.x, p.y, p.z, p.depth};
+            const float c[box_dimensions] = {p.x, p.y, surrounded ? p.z : p.x + p.y, p.x - p.y, surrounded ? p.depth : p.z,
+                                             p.depth};
             for (std::size_t d = 0; d < box_dimensions; ++d) {
               lowest[d] = std::min(lowest[d], c[d]);
               highest[d] = std::max(highest[d], c[d]);
             }
           }
           // The same for duplicates, however their corners are turned round; + 0 for equal depths to have equal bits.
-          keys[elements.draw_id[i]] = 0.5f * lowest[3] + 0.5f * highest[3] + 0.0f;
+          keys_[i] = 0.5f * lowest[of_key] + 0.5f * highest[of_key] + 0.0f;
+          lowest[of_key] = highest[of_key] = keys_[i];
+          keys[elements.draw_id[i]] = keys_[i];
           int facing = 0;
           if (elements.has_area[i]) facing = eye_side(points, elements.plane[i], elements.facet[i], viewpoint_.eye);
           facing_[i] = static_cast<std::int8_t>(facing);
-          if (surrounded) bound_on_sphere(elements, element, lowest, highest);
-          const float depth_margin = surrounded ? 4 * static_cast<float>(float_rounding) * highest[3]
-                                                : depth_rounding;
-          for (std::size_t d = 0; d < box_dimensions; ++d) {
-            const float margin = d < 3 ? screen_margin : depth_margin;
+          if (surrounded) {
+            bound_on_sphere(elements, element, lowest, highest);
+          } else {
+            place_patches(elements, element);
+          }
+          const float depth_margin = surrounded ? 4 * static_cast<float>(float_rounding) * highest[in_depth]
+                                                : screen_margin;
+          for (std::size_t d = 0; d < of_key; ++d) {
+            const float margin = d < in_depth ? screen_margin : depth_margin;
             lowest[d] -= margin;
             highest[d] += margin;
           }
@@ -155,30 +173,36 @@ void Screen::place_elements(const Points& points, const Elements& elements, std:
           boxes.lowest[d][lane] = lowest[d];
           boxes.highest[d][lane] = highest[d];
         }
-        if (!triangles_.empty()) place_triangle(elements, i, triangles_[block], lane);
       }
     }
   });
 }
 
-void Screen::place_triangle(const Elements& elements, std::size_t i, TriangleBlock& block, std::size_t lane) const {
-  if (i >= elements.count() || !elements.is_whole(i)) {
-    for (int k = 0; k < 3; ++k) {
-      block.slot[k][lane] = TriangleBlock::no_slot;
-      block.x[k][lane] = block.y[k][lane] = block.nearness[k][lane] = 0;
+void Screen::place_patches(const Elements& elements, std::uint32_t element) {
+  const auto slots = elements.slots(element);
+  const int facing = facing_[element];
+  const std::size_t count = slots.size();
+  const auto corner = [&](std::size_t i) {
+    const std::uint32_t slot = slots[facing > 0 ? i : count - 1 - i];
+    const SeenPoint& p = seen_[slot];
+    return Patch::Corner{p.x, p.y, -p.z, slot};
+  };
+  Patch& own = patches_[element];
+  if (facing == 0) {
+    own.corner[0].slot = Patch::unknown;
+  } else if (count <= 4) {
+    for (std::size_t k = 0; k < 4; ++k) own.corner[k] = corner(std::min(k, count - 1));
+  } else {
+    const std::uint32_t first = elements.first_extra_patch[element];
+    own.corner[0].slot = Patch::several;
+    own.corner[1].slot = static_cast<std::uint32_t>(elements.count()) + first;
+    own.corner[2].slot = elements.first_extra_patch[element + 1] - first;
+    for (std::uint32_t i = 0; i < own.corner[2].slot; ++i) {
+      Patch& patch = patches_[own.corner[1].slot + i];
+      patch.corner[0] = corner(0);
+      for (std::size_t k = 1; k < 4; ++k) patch.corner[k] = corner(std::min(2 * i + k, count - 1));
     }
-    block.facing[lane] = 0;
-    return;
   }
-  const auto slots = elements.slots(static_cast<std::uint32_t>(i));
-  for (std::size_t k = 0; k < 3; ++k) {
-    block.slot[k][lane] = slots[k];
-    const ScreenPoint& p = screen_points_[slots[k]];
-    block.x[k][lane] = p.x;
-    block.y[k][lane] = p.y;
-    block.nearness[k][lane] = p.nearness;
-  }
-  block.facing[lane] = facing_[i];
 }
 
 // A spherical triangle bulges beyond its corners' box: a point of the flat triangle between directions whose chords are
@@ -194,14 +218,15 @@ void Screen::bound_on_sphere(const Elements& elements, std::uint32_t element, fl
       chord = std::max(chord, (p.x - q.x) * (p.x - q.x) + (p.y - q.y) * (p.y - q.y) + (p.z - q.z) * (p.z - q.z));
     }
   }
-  const bool unknown = highest[0] == unknown_direction;
+  const bool unknown = highest[across] == unknown_direction;
   const float bulge = unknown ? 2 * unknown_direction : chord < 2.5f ? chord / 2.9f : 2.0f;
-  for (std::size_t d = 0; d < 3; ++d) {
-    lowest[d] -= bulge;
-    highest[d] += bulge;
+  for (std::size_t d = 0; d < in_depth; ++d) {
+    const float margin = d == other_diagonal ? 2 * bulge : bulge;
+    lowest[d] -= margin;
+    highest[d] += margin;
   }
-  if (unknown) lowest[3] = std::numeric_limits<float>::lowest() / 2;
-  lowest[3] -= elements.longest_edge_squared[element] / 2.9f;
+  if (unknown) lowest[in_depth] = std::numeric_limits<float>::lowest() / 2;
+  lowest[in_depth] -= elements.longest_edge_squared[element] / 2.9f;
 }
 
 void Screen::bound_levels() {
@@ -249,9 +274,10 @@ void Screen::find_flat_fans(const Elements& elements) {
 void Screen::look(const Points& points, const Elements& elements, const Eye& eye, std::vector<float>& keys) {
   choose_projection(elements, eye);
   see_points(elements);
-  // Depths are off by some 2^-49 and the error of constructed points; over the nearest depth, times a coordinate.
-  rounding_ = 0x1p-48 + 2 * elements.largest_error;
-  if (!viewpoint_.surrounded) rounding_ *= largest_coordinate / nearest_depth;
+  // With u = 2^-24 and coordinates up to m, those of a patch are off by u m, by 4 u m when taken relative to another, and
+  // differences of such by 10 u m. A sum of two products of two of these is off by less than 34 u m times their reach,
+  // which is within four times this.
+  patch_rounding_ = static_cast<float>(6 * float_rounding * largest_ + 4 * rounding_);
   place_elements(points, elements, keys);
   bound_levels();
   find_flat_fans(elements);
@@ -285,6 +311,52 @@ Seen Screen::compare(const Elements& elements, std::uint32_t a, std::uint32_t b,
     return compare_parts(a_slots.first<3>(), facing_[a], b_slots.first<3>(), facing_[b], behind);
   }
   return compare_parts(a_slots, facing_[a], b_slots, facing_[b], behind);
+}
+
+// Where each has corners on both sides of the other's plane, some two of their edges cross on the screen, and the one
+// that is farther there tells: the sign of the volume that the four ends span.
+int Screen::behind_where_edges_cross(const Elements& elements, std::uint32_t a, std::uint32_t b) const {
+  const double error = 4 * rounding_;
+  const auto a_slots = elements.slots(a), b_slots = elements.slots(b);
+  struct End {
+    double x, y, nearness;
+  };
+  const auto difference = [&](std::uint32_t from, std::uint32_t to) {
+    const ScreenPoint &p = screen_points_[from], &q = screen_points_[to];
+    return End{q.x - p.x, q.y - p.y, q.nearness - p.nearness};
+  };
+  const auto turn = [&](const End& u, const End& v) {  // 0: can't tell
+    const double value = u.x * v.y - u.y * v.x;
+    const double bound = error * (magnitude(u.x, u.y) + magnitude(v.x, v.y) + error);
+    return value > bound ? 1 : value < -bound ? -1 : 0;
+  };
+  const auto size = [&](const End& u) { return magnitude(u.x, u.y) + std::abs(u.nearness) + error; };
+  for (std::size_t i = 0; i < a_slots.size(); ++i) {
+    const std::uint32_t p = a_slots[i], q = a_slots[i + 1 == a_slots.size() ? 0 : i + 1];
+    const End edge = difference(p, q);
+    End from = difference(p, b_slots.back());
+    int from_side = turn(edge, from);
+    std::uint32_t r = b_slots.back();
+    for (const std::uint32_t s : b_slots) {
+      const End to = difference(p, s);
+      const int to_side = turn(edge, to);
+      if (from_side * to_side < 0) {
+        const End other = difference(r, s);
+        if (turn(other, difference(r, p)) * turn(other, difference(r, q)) < 0) {
+          const double volume = (from.y * to.nearness - from.nearness * to.y) * edge.x +
+                                (from.nearness * to.x - from.x * to.nearness) * edge.y +
+                                (from.x * to.y - from.y * to.x) * edge.nearness;
+          const double su = size(edge), sv = size(from), sw = size(to);
+          const double bound = 2 * error * (su * sv + (su + sv) * sw) + 0x1p-48 * su * sv * sw;
+          if (std::abs(volume) > bound) return volume > 0 ? from_side : -from_side;
+        }
+      }
+      from = to;
+      from_side = to_side;
+      r = s;
+    }
+  }
+  return 0;
 }
 
 template <std::size_t a_extent, std::size_t b_extent>
@@ -393,7 +465,7 @@ Seen Screen::compare_parts(std::span<const std::uint32_t, a_extent> a_slots, int
 std::size_t Screen::memory_bytes() const {
   std::size_t bytes = seen_.capacity() * sizeof(SeenPoint) + facing_.capacity() + flat_fan_.capacity() +
                       screen_points_.capacity() * sizeof(ScreenPoint) +
-                      triangles_.capacity() * sizeof(TriangleBlock);
+                      patches_.capacity() * sizeof(Patch) + keys_.capacity() * sizeof(float);
   for (const std::vector<BoxBlock>& level : levels_) bytes += level.capacity() * sizeof(BoxBlock);
   return bytes;
 }

@@ -13,8 +13,8 @@
 
 namespace facetsort::exact_internal {
 
-// A point as the eye sees it, rounded. Where a plane has all of the mesh in front of the eye, x and y are on it, z is 0
-// and depth is along its axis. Otherwise (x, y, z) is the direction on the unit sphere, and depth the squared distance.
+// A point as the eye sees it, rounded. Where a plane has all of the mesh in front of the eye, x and y are on it, z is minus
+// the nearness of ScreenPoint, and depth is along its axis. Otherwise (x, y, z) is the direction on the unit sphere, and depth the squared distance.
 struct SeenPoint {
   float x, y, z, depth;
 };
@@ -28,17 +28,22 @@ struct ScreenPoint {
 
 class Screen {
  public:
-  // Places all elements; `keys` gets the depth of each by draw id, larger is farther, within the element's depth range.
+  // Places all elements; `keys` gets their keys by draw id.
   // Parallel in the caller's task arena; the same for any thread count. Keeps its storage.
   void look(const Points& points, const Elements& elements, const Eye& eye, std::vector<float>& keys);
 
   const Viewpoint& viewpoint() const { return viewpoint_; }
   // The side of its facet's plane that the eye is on; 0 where it has no area or is seen edge-on.
   int facing(std::uint32_t element) const { return facing_[element]; }
+  // A depth of the element, within its depth range: larger is farther.
+  float key(std::uint32_t element) const { return keys_[element]; }
   // What a filter in double is sure of. Whether they overlap is left open where the answer is not the one asked for:
   // that the first is behind (+1) or the second (-1). Precondition: parts of different facets, neither seen edge-on,
   // that do not cross.
   Seen compare(const Elements& elements, std::uint32_t a, std::uint32_t b, int behind) const;
+  // Of two that overlap, which is behind: +1 the first, -1 the second, 0 where this filter can't tell. Precondition: as
+  // above, and viewpoint().surrounded is false.
+  int behind_where_edges_cross(const Elements& elements, std::uint32_t a, std::uint32_t b) const;
   ScreenBox box(std::uint32_t element) const {
     return levels_[0][element / BoxBlock::size].box(element % BoxBlock::size);
   }
@@ -47,7 +52,7 @@ class Screen {
   std::size_t leaves() const { return levels_[0].size(); }
   // For collect_pairs() and collect_overlapping().
   Screenful screenful(const Elements& elements) const {
-    return {levels_, elements.slot_blocks, triangles_, flat_fan_, rounding_};
+    return {levels_, elements.slot_blocks, patches_, keys_, flat_fan_, patch_rounding_};
   }
 
   std::size_t memory_bytes() const;
@@ -59,7 +64,7 @@ class Screen {
   void choose_projection(const Elements& elements, const Eye& eye);
   void see_points(const Elements& elements);
   void place_elements(const Points& points, const Elements& elements, std::vector<float>& keys);
-  void place_triangle(const Elements& elements, std::size_t i, TriangleBlock& block, std::size_t lane) const;
+  void place_patches(const Elements& elements, std::uint32_t element);
   void bound_levels();
   void bound_on_sphere(const Elements& elements, std::uint32_t element, float (&lowest)[box_dimensions],
                        float (&highest)[box_dimensions]) const;
@@ -69,12 +74,16 @@ class Screen {
   glm::dvec3 eye_{0};  // in the frame; orthographic: unused
   glm::dvec3 right_{0}, down_{0}, forward_{0};
   bool perspective_ = false;
+  double unit_ = 1;        // of the screen's coordinates
+  double largest_ = 1;     // of their magnitudes
   double rounding_ = 0;
   std::vector<SeenPoint> seen_;
   std::vector<ScreenPoint> screen_points_;
   std::vector<std::int8_t> facing_;
   std::vector<unsigned char> flat_fan_;
-  std::vector<TriangleBlock> triangles_;
+  std::vector<Patch> patches_;
+  float patch_rounding_ = 0;
+  std::vector<float> keys_;
   std::vector<std::vector<BoxBlock>> levels_;  // [0]: elements; [k]: blocks of [k - 1]
 };
 

@@ -106,9 +106,7 @@ Hiding from_sign(int second_in_front) {
 
 }  // namespace
 
-Hiding hiding(const Points& points, const Viewpoint& from, const SeenPart& a, const SeenPart& b) {
-  if (a.facet == b.facet || points.same_plane(a.facet) == points.same_plane(b.facet)) return Hiding::none;
-  if (!overlap(points, from, a, b)) return Hiding::none;
+Hiding hiding_of_overlapping(const Points& points, const Viewpoint& from, const SeenPart& a, const SeenPart& b) {
   bool coplanar = false;
   const int b_side = side_of_part(points, a, b, coplanar);
   if (b_side != 0) return from_sign(b_side);
@@ -126,6 +124,11 @@ Hiding hiding(const Points& points, const Viewpoint& from, const SeenPart& a, co
   }
   const int b_corner = side_of_surrounded_corner(points, from, a, b);
   return from_sign(b_corner != 0 ? b_corner : -side_of_surrounded_corner(points, from, b, a));
+}
+
+Hiding hiding(const Points& points, const Viewpoint& from, const SeenPart& a, const SeenPart& b) {
+  if (points.same_plane(a.facet) == points.same_plane(b.facet)) return Hiding::none;
+  return overlap(points, from, a, b) ? hiding_of_overlapping(points, from, a, b) : Hiding::none;
 }
 
 }  // namespace facetsort::exact_internal
