@@ -113,44 +113,129 @@ struct Crossings {
   std::size_t not_kept = 0;
 };
 
-// All crossings but, where there are many more than `most`, some: the same ones for any thread count.
-Crossings find_crossings(const Points& points, const std::vector<unsigned char>& degenerate, std::size_t most) {
-  const FacetHierarchy hierarchy = hierarchy_of(points.space().mesh, degenerate);
-  const std::size_t items = hierarchy.items().size();
-  const std::size_t chunks = (items + items_per_chunk - 1) / items_per_chunk;
-  const std::size_t most_of_chunk = most / std::max<std::size_t>(chunks, 1) + 64 * items_per_chunk;
+// For each facet the corner around which most facets lie, where these are so many that pairs of them need a search of
+// their own; else no_group. All boxes of such facets overlap.
+std::vector<std::uint32_t> find_hubs(const PointSpace& space, const std::vector<unsigned char>& degenerate) {
+  constexpr std::uint32_t fewest_around = 64;
+  std::vector<std::uint32_t> hubs(space.mesh.facet_count(), FacetHierarchy::no_group);
+  for (FacetId f = 0; f < hubs.size(); ++f) {
+    if (degenerate[f]) continue;
+    std::uint32_t most = fewest_around;
+    for (int i = 0; i < 3; ++i) {
+      const PointId corner = space.corner(f, i);
+      const std::uint32_t around = space.around_begin[corner + 1] - space.around_begin[corner];
+      if (around < most || (around == most && corner >= hubs[f])) continue;
+      most = around;
+      hubs[f] = corner;
+    }
+  }
+  return hubs;
+}
+
+class CrossingSearch {
+ public:
+  // Keeps all crossings but, where there are many more than `most`, some: the same ones for any thread count.
+  CrossingSearch(const Points& points, const std::vector<unsigned char>& degenerate, std::size_t most)
+      : points_(points), space_(points.space()), hubs_(find_hubs(space_, degenerate)), most_(most) {
+    find_all_but_around_hubs(degenerate);
+    find_around_hubs();
+    tbb::parallel_sort(crossings_.found);
+  }
+
+  Crossings take() { return std::move(crossings_); }
+
+ private:
   struct Chunk {
     std::vector<Crossing> found;
     std::size_t not_kept = 0;
   };
-  std::vector<Chunk> found(chunks);
-  parallel_ranges(chunks, 1, [&](std::size_t first, std::size_t last) {
-    for (std::size_t c = first; c < last; ++c) {
-      Chunk& chunk = found[c];
-      for (std::size_t i = c * items_per_chunk; i < std::min(items, (c + 1) * items_per_chunk); ++i) {
-        hierarchy.for_each_later_overlap(i, [&](FacetId other) {
-          const auto [f, g] = std::minmax({hierarchy.items()[i].facet, other});
-          if (points.space().plane_of_facet[f] == points.space().plane_of_facet[g]) return;
-          const std::optional<Segment> segment = shared_segment(points, f, g);
-          if (!segment) return;
-          if (chunk.found.size() >= most_of_chunk) {
-            ++chunk.not_kept;
-            return;
-          }
-          chunk.found.push_back({f, g, *segment});
-        });
+
+  // Calls search(item, chunk) for each of so many items, which adds what crosses it to the chunk.
+  template <typename Search>
+  void for_each_item(std::size_t items, const Search& search) {
+    std::vector<Chunk> chunks((items + items_per_chunk - 1) / items_per_chunk);
+    parallel_ranges(chunks.size(), 1, [&](std::size_t first, std::size_t last) {
+      for (std::size_t c = first; c < last; ++c) {
+        for (std::size_t i = c * items_per_chunk; i < std::min(items, (c + 1) * items_per_chunk); ++i) {
+          search(i, chunks[c]);
+        }
       }
+    });
+    for (const Chunk& chunk : chunks) {
+      crossings_.found.insert(crossings_.found.end(), chunk.found.begin(), chunk.found.end());
+      crossings_.not_kept += chunk.not_kept;
     }
-  });
-  Crossings crossings;
-  for (Chunk& chunk : found) {
-    crossings.found.insert(crossings.found.end(), chunk.found.begin(), chunk.found.end());
-    crossings.not_kept += chunk.not_kept;
-    chunk = {};
   }
-  tbb::parallel_sort(crossings.found);
-  return crossings;
-}
+
+  void test(FacetId a, FacetId b, Chunk& chunk) const {
+    const auto [f, g] = std::minmax(a, b);
+    if (space_.plane_of_facet[f] == space_.plane_of_facet[g]) return;
+    const std::optional<Segment> segment = shared_segment(points_, f, g);
+    if (!segment) return;
+    const std::size_t chunks = space_.mesh.facet_count() / items_per_chunk + 1;
+    if (chunk.found.size() >= most_ / chunks + 64 * items_per_chunk) {
+      ++chunk.not_kept;
+      return;
+    }
+    chunk.found.push_back({f, g, *segment});
+  }
+
+  void find_all_but_around_hubs(const std::vector<unsigned char>& degenerate) {
+    const FacetHierarchy hierarchy = hierarchy_of(space_.mesh, degenerate, hubs_);
+    for_each_item(hierarchy.items().size(), [&](std::size_t i, Chunk& chunk) {
+      const FacetId f = hierarchy.items()[i].facet;
+      hierarchy.for_each_later_overlap(i, [&](FacetId g) { test(f, g, chunk); });
+    });
+  }
+
+  // Facets with a corner in common that cross share a segment from there to the edge opposite to it, of one of them: so
+  // the box of that edge overlaps the other's.
+  void find_around_hubs() {
+    std::vector<std::pair<PointId, FacetId>> around;
+    for (FacetId f = 0; f < hubs_.size(); ++f) {
+      if (hubs_[f] != FacetHierarchy::no_group) around.push_back({hubs_[f], f});
+    }
+    tbb::parallel_sort(around);
+    for (std::size_t begin = 0, end; begin < around.size(); begin = end) {
+      end = begin;
+      std::vector<FacetHierarchy::Item> edges;
+      for (; end < around.size() && around[end].first == around[begin].first; ++end) {
+        edges.push_back({opposite_edge(around[end].second), around[end].second, FacetHierarchy::no_group});
+      }
+      const FacetHierarchy hierarchy(std::move(edges));
+      for_each_item(hierarchy.items().size(), [&](std::size_t i, Chunk& chunk) {
+        const Bounds& edge = hierarchy.items()[i].bounds;
+        const FacetId f = hierarchy.items()[i].facet;
+        const Bounds bounds = facet_bounds_of(f);
+        hierarchy.for_each_overlap(bounds, [&](FacetId g) {
+          // Where either edge overlaps the other facet, the pair is met twice.
+          if (g == f || (g < f && edge.overlaps(facet_bounds_of(g)))) return;
+          test(f, g, chunk);
+        });
+      });
+    }
+  }
+
+  Bounds facet_bounds_of(FacetId facet) const {
+    Bounds bounds = opposite_edge(facet);
+    bounds.include({space_.position(hubs_[facet]), space_.position(hubs_[facet])});
+    return bounds;
+  }
+
+  Bounds opposite_edge(FacetId facet) const {
+    int at = 0;
+    while (space_.corner(facet, at) != hubs_[facet]) ++at;
+    const glm::vec3 a = space_.position(space_.corner(facet, (at + 1) % 3));
+    const glm::vec3 b = space_.position(space_.corner(facet, (at + 2) % 3));
+    return {glm::min(a, b), glm::max(a, b)};
+  }
+
+  const Points& points_;
+  const PointSpace& space_;
+  const std::vector<PointId> hubs_;
+  const std::size_t most_;
+  Crossings crossings_;
+};
 
 // Facet `facet` is to be cut along the plane of `by`.
 struct Task {
@@ -323,10 +408,12 @@ class CutAssignment {
 // kink.)
 class FacetCutter {
  public:
-  FacetCutter(Points& points, FacetId facet, PartList& pieces)
-      : points_(points), facet_(facet), pieces_(pieces), ends_(points) {}
+  // Gives up, and leaves the facet in some of its pieces, where it takes more than `most_cuts`.
+  FacetCutter(Points& points, FacetId facet, PartList& pieces, std::size_t most_cuts)
+      : points_(points), facet_(facet), pieces_(pieces), most_cuts_(most_cuts), ends_(points) {}
 
   std::size_t cuts() const { return cuts_; }
+  bool gave_up() const { return cuts_ > most_cuts_; }
 
   void add_segment(PlaneId plane, const SegmentEnd (&ends)[2]) {
     segments_.push_back({plane, {point_of(ends[0]), point_of(ends[1])}});
@@ -354,6 +441,7 @@ class FacetCutter {
 
   void cut(const Polygon& polygon, Segments segments) {
     while (!segments.empty()) {
+      if (gave_up()) return;
       if (segments.size() > 1 && cut_at_kink(polygon, segments)) return;
       const std::size_t chosen = cheapest(segments);
       const PlaneId plane = segments[chosen].plane;
@@ -549,6 +637,7 @@ class FacetCutter {
   Points& points_;
   FacetId facet_;
   PartList& pieces_;
+  const std::size_t most_cuts_;
   Segments segments_;
   DistinctPoints ends_;
   std::vector<int> sides_;
@@ -561,18 +650,21 @@ struct CutFacet {
   PartList pieces;
   std::size_t cuts = 0;
   std::size_t new_corners = 0;
+  bool gave_up = false;
 };
 
-CutFacet cut_facet(const Points& mesh_points, std::span<const Task> tasks) {
+CutFacet cut_facet(const Points& mesh_points, std::span<const Task> tasks, std::size_t most_cuts) {
   CutFacet result;
   result.points.emplace(&mesh_points);
   const FacetId facet = tasks.front().facet;
-  FacetCutter cutter(*result.points, facet, result.pieces);
+  FacetCutter cutter(*result.points, facet, result.pieces, most_cuts);
   for (const Task& task : tasks) {
     const std::optional<Segment> segment = shared_segment(mesh_points, facet, task.by);
     cutter.add_segment(mesh_points.same_plane(task.by), segment->ends);
   }
   cutter.cut();
+  result.gave_up = cutter.gave_up();
+  if (result.gave_up) return {std::nullopt, {}, 0, 0, true};
   result.cuts = cutter.cuts();
   result.new_corners = count_new_corners(*result.points, result.pieces, mesh_points.size());
   return result;
@@ -631,7 +723,7 @@ PartedFacets part_crossing_facets(Points& points, const std::vector<unsigned cha
                                   std::size_t most_triangles) {
   PartedFacets result;
   const std::size_t facets = points.space().mesh.facet_count();
-  const Crossings crossings = find_crossings(points, degenerate, most_triangles);
+  const Crossings crossings = CrossingSearch(points, degenerate, most_triangles).take();
   result.crossing_pairs = crossings.found.size() + crossings.not_kept;
   result.uncut_pairs = crossings.not_kept;
   const std::vector<Task> tasks = CutAssignment(crossings.found).tasks();
@@ -641,26 +733,30 @@ PartedFacets part_crossing_facets(Points& points, const std::vector<unsigned cha
   }
   begins.push_back(tasks.size());
 
-  // In batches, so that what is cut in vain beyond the limit stays small.
-  constexpr std::size_t batch_size = 4096;
+  // In batches, and small ones at first, so that what is cut in vain beyond the limit stays small.
+  constexpr std::size_t first_batch_size = 64, largest_batch_size = 4096;
   const Points base(points.space());
   Merger merger(points, result.pieces);
   std::size_t triangles = facets;
   std::vector<CutFacet> batch;
-  for (std::size_t begin = 0; begin + 1 < begins.size(); begin += batch_size) {
-    const std::size_t end = std::min(begins.size() - 1, begin + batch_size);
+  std::size_t batch_size = first_batch_size;
+  for (std::size_t begin = 0, end; begin + 1 < begins.size(); begin = end) {
+    end = std::min(begins.size() - 1, begin + batch_size);
+    batch_size = std::min(2 * batch_size, largest_batch_size);
+    // Every cut makes a piece more, and so at least one triangle.
+    const std::size_t most_cuts = most_triangles > triangles ? most_triangles - triangles : 0;
     batch.clear();
     batch.resize(end - begin);
     parallel_ranges(end - begin, facets_per_task, [&](std::size_t first, std::size_t last) {
       for (std::size_t i = first; i < last; ++i) {
         const std::size_t from = begins[begin + i], to = begins[begin + i + 1];
-        batch[i] = cut_facet(base, std::span(tasks).subspan(from, to - from));
+        batch[i] = cut_facet(base, std::span(tasks).subspan(from, to - from), most_cuts);
       }
     });
     for (std::size_t i = 0; i < batch.size(); ++i) {
       // Each new corner adds at most two triangles: one on either side of an edge, or two in the facet.
       const std::size_t added = 2 * batch[i].new_corners;
-      if (triangles + added > most_triangles) {
+      if (batch[i].gave_up || triangles + added > most_triangles) {
         result.uncut_pairs += begins[begin + i + 1] - begins[begin + i];
         continue;
       }

@@ -1,0 +1,109 @@
+// Pairs of facets that cross, where many facets share a corner, and the cost that a limit puts on cutting them.
+#include "facetsort/exact/crossings.h"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+#include <random>
+
+#include "facetsort/exact/positions.h"
+#include "facetsort/mesh/mesh.h"
+#include "shapes.h"
+#include "support/threads.h"
+
+namespace facetsort::exact_internal {
+namespace {
+
+PartedFacets part(const MeshView& mesh, std::size_t most_triangles) {
+  PointSpace space{mesh, identify_positions(mesh), std::vector<FacetId>(mesh.facet_count()),
+                   std::vector<unsigned char>(mesh.facet_count()), {}, {}};
+  std::iota(space.plane_of_facet.begin(), space.plane_of_facet.end(), FacetId{0});
+  space.find_facets_around();
+  Points points(space);
+  return part_crossing_facets(points, find_degenerate_facets(mesh), most_triangles);
+}
+
+constexpr std::size_t no_limit = 1'000'000;
+
+// Facets with a corner in common, in random directions: some cross.
+Mesh around_one_corner(int facets, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  const auto coordinate = [&] { return static_cast<float>(random() % 2001) / 1000.0f - 1.0f; };
+  Mesh mesh;
+  mesh.positions.push_back({0.25f, 0.5f, 0.125f});
+  for (int f = 0; f < facets; ++f) {
+    const glm::vec3 corner(coordinate(), coordinate(), coordinate());
+    const std::uint32_t first = static_cast<std::uint32_t>(mesh.positions.size());
+    mesh.positions.push_back(corner);
+    mesh.positions.push_back(corner + 0.3f * glm::vec3(coordinate(), coordinate(), coordinate()));
+    const glm::uvec3 triangle(0, first, first + 1);
+    // The common corner first, second or third.
+    mesh.triangles.push_back({triangle[f % 3], triangle[(f + 1) % 3], triangle[(f + 2) % 3]});
+  }
+  return mesh;
+}
+
+// Each pair on its own has no corner that many facets share.
+std::size_t count_crossing_pairs_one_by_one(const Mesh& mesh) {
+  std::size_t crossing = 0;
+  for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
+    for (std::size_t g = 0; g < f; ++g) {
+      const glm::uvec3 two[] = {mesh.triangles[f], mesh.triangles[g]};
+      crossing += part({mesh.positions, two, {}, {}}, no_limit).crossing_pairs;
+    }
+  }
+  return crossing;
+}
+
+TEST(Crossings, AreAllFoundAroundACornerOfMany) {
+  for (const std::uint32_t seed : {1u, 2u, 3u}) {
+    const Mesh mesh = around_one_corner(150, seed);
+    const std::size_t expected = count_crossing_pairs_one_by_one(mesh);
+    EXPECT_GT(expected, 20u);
+    EXPECT_EQ(part(mesh.view(), no_limit).crossing_pairs, expected);
+  }
+}
+
+TEST(Crossings, AreAllFoundBetweenTwoCornersOfMany) {
+  Mesh mesh = around_one_corner(80, 4);
+  const Mesh other = around_one_corner(80, 5);
+  const std::uint32_t offset = static_cast<std::uint32_t>(mesh.positions.size());
+  for (const glm::vec3& position : other.positions) mesh.positions.push_back(position + glm::vec3(0.2f, 0.1f, 0.0f));
+  for (const glm::uvec3& triangle : other.triangles) mesh.triangles.push_back(triangle + offset);
+  // And a few facets that have both corners.
+  for (std::uint32_t i = 1; i < 20; ++i) mesh.triangles.push_back({0, offset, i});
+  EXPECT_EQ(part(mesh.view(), no_limit).crossing_pairs, count_crossing_pairs_one_by_one(mesh));
+}
+
+// Some 10^10 pairs of boxes overlap; a search through all of them would take minutes.
+TEST(Crossings, AroundACornerOfVeryManyAreNotSoughtPairByPair) {
+  EXPECT_EQ(part(shapes::sliver_fan(100'000, 20'000).view(), no_limit).crossing_pairs, 0u);
+}
+
+TEST(Crossings, ThatALimitLeavesAreCounted) {
+  const Mesh soup = shapes::soup(100, 7);
+  const PartedFacets all = part(soup.view(), no_limit);
+  EXPECT_EQ(all.uncut_pairs, 0u);
+  std::size_t uncut = all.crossing_pairs;
+  for (const std::size_t most : {100, 150, 300, 700, 1'500}) {
+    const PartedFacets some = part(soup.view(), most);
+    EXPECT_EQ(some.crossing_pairs, all.crossing_pairs);
+    EXPECT_GT(some.uncut_pairs, 0u);
+    EXPECT_LE(some.uncut_pairs, uncut);
+    uncut = some.uncut_pairs;
+    EXPECT_LE(some.cuts, 2 * most);
+    if (most == soup.triangles.size()) {
+      EXPECT_EQ(some.cuts, 0u);
+      EXPECT_EQ(some.uncut_pairs, all.crossing_pairs);
+    }
+    for (const int threads : {1, 3}) {
+      const PartedFacets again = with_threads(threads, [&] { return part(soup.view(), most); });
+      EXPECT_EQ(again.uncut_pairs, some.uncut_pairs);
+      EXPECT_EQ(again.pieces.parts.size(), some.pieces.parts.size());
+    }
+  }
+  EXPECT_LT(uncut, all.crossing_pairs);
+}
+
+}  // namespace
+}  // namespace facetsort::exact_internal
