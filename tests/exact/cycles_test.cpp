@@ -161,6 +161,10 @@ TEST(OrderCycle, GivesUpWhereTooManyCutsAreNeeded) {
   EXPECT_FALSE(three.order(1).gave_up);
   const CycleOf mat(shapes::woven_mat(4), {Eye(1.5f, 1.5f, 8, 1), false});
   EXPECT_TRUE(mat.order(3).gave_up);
+  // What counts is what is left once needless cuts are undone.
+  const std::size_t needed = mat.order(no_limit).cuts;
+  EXPECT_FALSE(mat.order(needed).gave_up);
+  EXPECT_TRUE(mat.order(needed - 1).gave_up);
 }
 
 // Large enough for planes to be judged by several threads.

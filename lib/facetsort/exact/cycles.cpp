@@ -247,8 +247,12 @@ class CycleCutter {
 
   OrderedCycle run(const std::vector<HidingPair>& pairs) {
     separated_.reserve(pairs.size() + pairs.size() / 4);
+    // More than half of the cuts often turn out needless.
+    constexpr std::size_t cuts_for_one_needed = 4;
+    constexpr std::size_t no_limit = std::numeric_limits<std::size_t>::max() / cuts_for_one_needed;
+    const std::size_t most_made = cuts_for_one_needed * std::min(most_cuts_, no_limit);
     order_components(all_of(pairs));
-    while (!left_.empty() && cuts_ <= most_cuts_ && !contradiction_) {
+    while (!left_.empty() && cuts_ <= most_made && !contradiction_) {
       const Component component = std::move(left_.back());
       left_.pop_back();
       if (component.behind.begin.empty()) {
@@ -257,8 +261,11 @@ class CycleCutter {
         cut(component);
       }
     }
-    if (cuts_ > most_cuts_ || contradiction_) return {parts_.take_points(), {}, {}, cuts_, true};
+    if (cuts_ > most_made || contradiction_) return {parts_.take_points(), {}, {}, cuts_, true};
     order_ = undo_needless_cuts(parts_, separated_, order_);
+    // Every cut has made one part more.
+    cuts_ = order_.size() - members_;
+    if (cuts_ > most_cuts_) return {parts_.take_points(), {}, {}, cuts_, true};
     return result();
   }
 
@@ -450,7 +457,7 @@ class CycleCutter {
   }
 
   OrderedCycle result() {
-    OrderedCycle result{parts_.take_points(), {}, {}, 0, false};
+    OrderedCycle result{parts_.take_points(), {}, {}, cuts_, false};
     for (const std::uint32_t part : order_) {
       if (parts_[part].parent == none) {
         result.order.push_back({part, true, 0});
@@ -460,8 +467,6 @@ class CycleCutter {
       result.order.push_back({parts_[part].member, false, piece});
       result.pieces.add(parts_[part].facet, parts_.corners(part), parts_.cuts(part));
     }
-    // Every cut makes one part more.
-    result.cuts = result.order.size() - members_;
     return result;
   }
 
