@@ -1,13 +1,10 @@
 // The order by depth, mended where it is wrong.
 //
 // Facets come in the order of a depth key, as in a painter's algorithm (Newell, Newell and Sancha 1972, "A Solution to
-// the Hidden Surface Problem"), but what must come before what is decided exactly. Pairs that overlap on the screen and
-// in depth are tested; of the constraints they make, only those are kept that the key order breaks: a part is behind one
-// that comes before it. Then the key order is walked, depth first into what a part needs to have been drawn before it.
-// A part visited so, ahead of its turn, may also have to come after parts that are all of them deeper, yet not drawn
-// because their turn is to come: those are searched for in the hierarchy, by its box and the span of keys in question.
-// With these searches the walk is Tarjan's algorithm on the graph of all constraints, of which it never sees more than
-// it needs. The components that it finds are cycles, and are cut.
+// the Hidden Surface Problem"), but what must come before what is decided exactly, and of all the constraints only those
+// are found that matter (see Precedence): those that the key order breaks, and those that drawing a part ahead of its turn
+// would break. Then the key order is walked, depth first into what a part needs to have been drawn before it: Tarjan's
+// algorithm. The components that it finds are cycles, and are cut.
 #include "facetsort/exact/exact_sorter.h"
 
 #include <tbb/combinable.h>
@@ -17,7 +14,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <map>
 #include <numeric>
 #include <utility>
 
@@ -26,7 +22,9 @@
 #include "facetsort/exact/cycles.h"
 #include "facetsort/exact/elements.h"
 #include "facetsort/exact/positions.h"
+#include "facetsort/exact/precedence.h"
 #include "facetsort/exact/predicates.h"
+#include "facetsort/exact/relation.h"
 #include "facetsort/exact/screen.h"
 #include "facetsort/exact/triangulation.h"
 #include "facetsort/order/key_sort.h"
@@ -38,7 +36,6 @@ using namespace exact_internal;
 namespace {
 
 constexpr std::size_t facets_per_task = 4096;
-constexpr std::size_t leaves_per_task = 64;
 
 using Clock = std::chrono::steady_clock;
 
@@ -116,13 +113,6 @@ std::vector<unsigned char> find_facing_away(const MeshView& mesh, const std::vec
   return away;
 }
 
-// `behind` must be drawn before `before`, whose turn by depth is earlier.
-struct Broken {
-  std::uint32_t before, behind;  // elements
-
-  auto operator<=>(const Broken&) const = default;
-};
-
 // A place in the order as it is found: a draw id, or a cycle to be filled in.
 constexpr std::uint32_t cycle_mark = 0x80000000u;
 
@@ -151,16 +141,10 @@ struct ExactSorter::State {
   std::size_t bytes_held() const;
   void prepare();
   void forget_last_view();
-  void find_broken();
   void walk();
   void visit(std::uint32_t root);
-  void edges_of(std::uint32_t element, std::uint32_t root);
-  void finish_component(std::uint32_t element);
+  void finish_component(std::uint32_t rank);
   void fill_in_cycles();
-  bool comes_before(std::uint32_t a, std::uint32_t b) const;
-  int behind_by_cut(std::uint32_t element, std::uint32_t other) const;
-  bool is_behind(const ElementPair& pair, bool first) const;
-  SeenPart seen_part(std::uint32_t element) const;
   std::size_t most_triangles() const;
 
   MeshView mesh;
@@ -178,26 +162,22 @@ struct ExactSorter::State {
   Screen screen;
   std::vector<float> keys;  // by draw id
   KeySort key_sort;
-  std::vector<Broken> broken;                  // sorted
-  std::vector<std::uint32_t> first_broken;     // element: its first in `broken`, or no_element
-  std::vector<std::uint32_t> order;            // draw ids and cycles
+  Precedence precedence;
+  std::vector<std::uint32_t> order;  // draw ids and cycles
   std::vector<std::uint32_t> filled_order;
   std::vector<Cycle> cycles;
 
-  // Tarjan's algorithm.
+  // Tarjan's algorithm, by rank.
   struct Visit {
-    std::uint32_t element;
-    std::size_t next, end;  // in `edges`
+    std::uint32_t rank;
+    std::size_t next;  // in what is behind it
   };
-  std::vector<std::uint32_t> number, lowest;  // element; 0: not visited
+  std::vector<std::uint32_t> number, lowest;  // 0: not visited
   std::vector<unsigned char> drawn;
   std::uint32_t visited = 0;
   std::vector<Visit> visits;
   std::vector<std::uint32_t> open;
-  std::vector<std::uint32_t> edges;  // what is behind
-  std::vector<ElementPair> nearby;
-  std::vector<std::pair<std::size_t, std::size_t>> edge_range;  // of visited elements, by number - first_number
-  std::uint32_t first_number = 0;
+  std::vector<std::uint32_t> place_in_cycle;
 };
 
 namespace {
@@ -223,10 +203,10 @@ void ExactSorter::State::prepare() {
   elements = make_elements(points, parts, degenerate, parted.uncut_pairs > 0);
   statistics.prepared_pieces = elements.count();
   for (const Part& part : parts.parts) pieces.push_back(piece_of(part));
-  first_broken.assign(elements.count(), no_element);
   number.assign(elements.count(), 0);
   lowest.assign(elements.count(), 0);
   drawn.assign(elements.count(), 0);
+  place_in_cycle.assign(elements.count(), 0);
   order = filled_order = elements.draw_id;
   prepared_triangles = count_triangles(points, parts, order);
   prepared_bytes = bytes_held();
@@ -243,172 +223,59 @@ void ExactSorter::State::forget_last_view() {
 std::size_t ExactSorter::State::bytes_held() const {
   return points.memory_bytes() + parts.memory_bytes() + elements.memory_bytes() +
          bytes_of(space.position_of_vertex, space.plane_of_facet, space.faces_away, space.around_begin, space.around,
-                  degenerate, pieces, first_broken, number, lowest, drawn);
+                  degenerate, pieces, number, lowest, drawn, place_in_cycle);
 }
 
-// Whether a comes first by depth; ties go to the smaller draw id.
-bool ExactSorter::State::comes_before(std::uint32_t a, std::uint32_t b) const {
-  const std::uint32_t a_id = elements.draw_id[a], b_id = elements.draw_id[b];
-  const float a_key = screen.key(a), b_key = screen.key(b);
-  return a_key > b_key || (a_key == b_key && a_id < b_id);
-}
-
-SeenPart ExactSorter::State::seen_part(std::uint32_t element) const {
-  return {elements.facet[element], screen.facing(element), elements.corners(element)};
-}
-
-// Where `element` is a piece that a cut along the plane of `other` bounds: +1 when it lies beyond that plane, -1 when it
-// lies before it; 0 where there is no such cut.
-int ExactSorter::State::behind_by_cut(std::uint32_t element, std::uint32_t other) const {
-  const std::uint32_t id = elements.draw_id[element];
-  if (id < mesh.facet_count()) return 0;
-  const FacetId facet = elements.facet[other];
-  for (const Cut& cut : parts.cuts_of(parts.parts[id - mesh.facet_count()])) {
-    if (cut.plane != space.plane_of_facet[facet]) continue;
-    return cut.side * screen.facing(other) * (space.faces_away[facet] != 0 ? -1 : 1) < 0 ? 1 : -1;
-  }
-  return 0;
-}
-
-// Whether the first (or else the second) of a pair is behind the other. Exact; the filters decide nearly all.
-bool ExactSorter::State::is_behind(const ElementPair& pair, bool first) const {
-  const FacetId a_facet = elements.facet[pair.a], b_facet = elements.facet[pair.b];
-  if (space.plane_of_facet[a_facet] == space.plane_of_facet[b_facet]) return false;
-  const int sign = first ? 1 : -1;
-  if (pair.seen.behind == -sign) return false;
-  if (pair.seen.behind == sign && pair.seen.overlap == Seen::overlapping) return true;
-  const int by_cut = behind_by_cut(pair.a, pair.b) - behind_by_cut(pair.b, pair.a);
-  if (by_cut == -sign) return false;
-  Seen seen = pair.seen;
-  if (seen.overlap != Seen::overlapping) seen = screen.compare(elements, pair.a, pair.b, sign);
-  if (by_cut != 0) seen.behind = static_cast<std::int8_t>(by_cut);
-  if (seen.overlap == Seen::overlapping && seen.behind == 0 && !screen.viewpoint().surrounded) {
-    seen.behind = static_cast<std::int8_t>(screen.behind_where_edges_cross(elements, pair.a, pair.b));
-  }
-  if (seen.overlap == Seen::apart || seen.behind == -sign) return false;
-  if (seen.overlap == Seen::overlapping && seen.behind == sign) return true;
-  const Hiding relation = (seen.overlap == Seen::overlapping ? hiding_of_overlapping : hiding)(
-      points, screen.viewpoint(), seen_part(pair.a), seen_part(pair.b));
-  return relation == (first ? Hiding::first_behind_second : Hiding::second_behind_first);
-}
-
-void ExactSorter::State::find_broken() {
-  struct Found {
-    std::vector<Broken> broken;
-    std::vector<ElementPair> pairs;
-    std::size_t candidates = 0;
-    unsigned long long fallbacks = 0;
-  };
-  tbb::combinable<Found> found;
-  const Screenful screenful = screen.screenful(elements);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, screen.leaves(), leaves_per_task),
-                    [&](const tbb::blocked_range<std::size_t>& range) {
-    Found& mine = found.local();
-    const unsigned long long fallbacks = exact_fallbacks();
-    for (std::size_t leaf = range.begin(); leaf < range.end(); ++leaf) {
-      mine.pairs.clear();
-      mine.candidates += collect_pairs(screenful, leaf, mine.pairs);
-      for (const ElementPair& pair : mine.pairs) {
-        const bool a_first = comes_before(pair.a, pair.b);
-        if (!is_behind(pair, !a_first)) continue;
-        mine.broken.push_back(a_first ? Broken{pair.a, pair.b} : Broken{pair.b, pair.a});
-      }
-    }
-    mine.fallbacks += exact_fallbacks() - fallbacks;
-  });
-  for (const Broken& b : broken) first_broken[b.before] = no_element;  // of the last view
-  broken.clear();
-  statistics.candidate_pairs = 0;
-  found.combine_each([&](const Found& part) {
-    broken.insert(broken.end(), part.broken.begin(), part.broken.end());
-    statistics.candidate_pairs += part.candidates;
-    statistics.predicate_fallbacks += part.fallbacks;
-  });
-  tbb::parallel_sort(broken);
-  for (std::size_t i = broken.size(); i-- > 0;) first_broken[broken[i].before] = static_cast<std::uint32_t>(i);
-  statistics.constraints = broken.size();
-}
-
-// Appends to `edges` what is behind the element and not drawn.
-void ExactSorter::State::edges_of(std::uint32_t element, std::uint32_t root) {
-  const std::size_t begin = edges.size();
-  if (first_broken[element] != no_element) {
-    for (std::size_t i = first_broken[element]; i < broken.size() && broken[i].before == element; ++i) {
-      if (!drawn[broken[i].behind]) edges.push_back(broken[i].behind);
-    }
-  }
-  if (element != root) {
-    ++statistics.searches;
-    ScreenBox box = screen.box(element);
-    box.lowest[of_key] = screen.key(element);
-    box.highest[of_key] = screen.key(root);
-    nearby.clear();
-    collect_overlapping(screen.screenful(elements), element, box, drawn, nearby);
-    for (const ElementPair& pair : nearby) {
-      if (comes_before(pair.b, element) && is_behind(pair, false)) edges.push_back(pair.b);
-    }
-  }
-  std::sort(edges.begin() + static_cast<std::ptrdiff_t>(begin), edges.end(),
-            [&](std::uint32_t a, std::uint32_t b) { return comes_before(a, b); });
-}
-
-void ExactSorter::State::finish_component(std::uint32_t element) {
-  if (open.back() == element) {
+void ExactSorter::State::finish_component(std::uint32_t rank) {
+  const std::span<const std::uint32_t> element_at = precedence.element_at();
+  if (open.back() == rank) {
     open.pop_back();
-    drawn[element] = 1;
-    order.push_back(elements.draw_id[element]);
+    drawn[rank] = 1;
+    order.push_back(elements.draw_id[element_at[rank]]);
     return;
   }
   Cycle& cycle = cycles.emplace_back();
-  std::uint32_t member;
-  do {
-    member = open.back();
-    open.pop_back();
-    drawn[member] = 1;
-    cycle.elements.push_back(member);
-  } while (member != element);
-  std::sort(cycle.elements.begin(), cycle.elements.end(),
-            [&](std::uint32_t a, std::uint32_t b) { return comes_before(a, b); });
-  std::map<std::uint32_t, std::uint32_t> place;
-  for (std::uint32_t i = 0; i < cycle.elements.size(); ++i) place[cycle.elements[i]] = i;
-  for (std::uint32_t i = 0; i < cycle.elements.size(); ++i) {
-    const auto [begin, end] = edge_range[number[cycle.elements[i]] - first_number];
-    for (std::size_t e = begin; e < end; ++e) {
-      const auto behind = place.find(edges[e]);
-      if (behind != place.end()) cycle.pairs.push_back({behind->second, i});
+  const auto first = std::find(open.rbegin(), open.rend(), rank).base() - 1;
+  std::sort(first, open.end());
+  for (auto member = first; member != open.end(); ++member) {
+    drawn[*member] = 1;
+    place_in_cycle[*member] = static_cast<std::uint32_t>(cycle.elements.size());
+    cycle.elements.push_back(element_at[*member]);
+  }
+  for (auto member = first; member != open.end(); ++member) {
+    for (const std::uint32_t behind : precedence.behind(*member)) {
+      if (std::binary_search(first, open.end(), behind)) {
+        cycle.pairs.push_back({place_in_cycle[behind], place_in_cycle[*member]});
+      }
     }
   }
+  open.erase(first, open.end());
   order.push_back(cycle_mark | static_cast<std::uint32_t>(cycles.size() - 1));
 }
 
 void ExactSorter::State::visit(std::uint32_t root) {
-  edges.clear();
-  edge_range.clear();
-  first_number = visited + 1;
-  const auto enter = [&](std::uint32_t element) {
-    number[element] = lowest[element] = ++visited;
-    open.push_back(element);
-    const std::size_t begin = edges.size();
-    edges_of(element, root);
-    edge_range.push_back({begin, edges.size()});
-    visits.push_back({element, begin, edges.size()});
+  const auto enter = [&](std::uint32_t rank) {
+    number[rank] = lowest[rank] = ++visited;
+    open.push_back(rank);
+    visits.push_back({rank, 0});
   };
   enter(root);
   while (!visits.empty()) {
     Visit& top = visits.back();
-    const std::uint32_t element = top.element;
-    if (top.next < top.end) {
-      const std::uint32_t behind = edges[top.next++];
-      if (number[behind] == 0) {
-        enter(behind);
-      } else if (!drawn[behind]) {
-        lowest[element] = std::min(lowest[element], number[behind]);
+    const std::uint32_t rank = top.rank;
+    const std::span<const std::uint32_t> behind = precedence.behind(rank);
+    if (top.next < behind.size()) {
+      const std::uint32_t next = behind[top.next++];
+      if (number[next] == 0) {
+        if (!drawn[next]) enter(next);
+      } else if (!drawn[next]) {
+        lowest[rank] = std::min(lowest[rank], number[next]);
       }
       continue;
     }
     visits.pop_back();
-    if (!visits.empty()) lowest[visits.back().element] = std::min(lowest[visits.back().element], lowest[element]);
-    if (lowest[element] == number[element]) finish_component(element);
+    if (!visits.empty()) lowest[visits.back().rank] = std::min(lowest[visits.back().rank], lowest[rank]);
+    if (lowest[rank] == number[rank]) finish_component(rank);
   }
 }
 
@@ -418,19 +285,16 @@ void ExactSorter::State::walk() {
   std::fill(number.begin(), number.end(), 0u);
   std::fill(drawn.begin(), drawn.end(), static_cast<unsigned char>(0));
   visited = 0;
-  statistics.searches = 0;
-  const unsigned long long fallbacks = exact_fallbacks();
-  for (const std::uint32_t id : key_sort.sort(keys)) {
-    const std::uint32_t element = elements.element_of_draw_id[id];
-    if (element == no_element || drawn[element]) continue;
-    if (first_broken[element] == no_element) {
-      drawn[element] = 1;
-      order.push_back(id);
+  const std::span<const std::uint32_t> element_at = precedence.element_at();
+  for (std::uint32_t rank = 0; rank < element_at.size(); ++rank) {
+    if (drawn[rank]) continue;
+    if (precedence.behind(rank).empty()) {
+      drawn[rank] = 1;
+      order.push_back(elements.draw_id[element_at[rank]]);
     } else {
-      visit(element);
+      visit(rank);
     }
   }
-  statistics.predicate_fallbacks += exact_fallbacks() - fallbacks;
 }
 
 void ExactSorter::State::fill_in_cycles() {
@@ -525,10 +389,14 @@ std::span<const std::uint32_t> ExactSorter::sort(const SortView& view) {
     milliseconds = milliseconds_since(start);
     start = Clock::now();
   };
-  statistics.predicate_fallbacks = 0;
   state.screen.look(state.points, state.elements, view.eye, state.keys);
   lap(statistics.project_ms);
-  state.find_broken();
+  const Relation relation(state.points, state.parts, state.elements, state.screen);
+  state.precedence.find(relation, state.screen, state.elements, state.key_sort.sort(state.keys));
+  statistics.candidate_pairs = state.precedence.candidate_pairs();
+  statistics.constraints = state.precedence.broken();
+  statistics.searches = state.precedence.searches();
+  statistics.predicate_fallbacks = state.precedence.fallbacks();
   lap(statistics.pairs_ms);
   state.walk();
   lap(statistics.order_ms);
@@ -558,8 +426,8 @@ std::size_t ExactSorter::prepared_bytes() const { return state_->prepared_bytes;
 std::size_t ExactSorter::memory_bytes() const {
   const State& state = *state_;
   return state.bytes_held() + state.screen.memory_bytes() + state.key_sort.memory_bytes() +
-         bytes_of(state.keys, state.broken, state.order, state.filled_order, state.visits, state.open, state.edges,
-                  state.nearby, state.edge_range);
+         state.precedence.memory_bytes() +
+         bytes_of(state.keys, state.order, state.filled_order, state.visits, state.open);
 }
 
 }  // namespace facetsort

@@ -225,23 +225,18 @@ class PairFilter {
   PairFilter(const Screenful& screen, int allowed, std::vector<ElementPair>& pairs)
       : screen_(screen), allowed_(allowed), pairs_(pairs) {}
 
-  // The element with those in the mask of a block.
-  HWY_INLINE void add(std::uint32_t element, std::size_t block, unsigned mask) {
-    for (; mask != 0; mask &= mask - 1) {
-      const auto lane = static_cast<unsigned>(std::countr_zero(mask));
-      const auto other = static_cast<std::uint32_t>(block * BoxBlock::size + lane);
-      if (screen_.patches.empty()) {
-        pairs_.push_back({element, other, {Seen::not_compared, 0}});
-        continue;
-      }
-      const Patch &a = screen_.patches[element], &b = screen_.patches[other];
-      if (a.is_one() && b.is_one()) {
-        Candidates& candidates = a.is_triangle() && b.is_triangle() ? triangles_ : others_;
-        add_lane(candidates, element, other);
-        end_pair(candidates, element, other, 1);
-      } else {
-        add_several(element, other);
-      }
+  HWY_INLINE void add(std::uint32_t element, std::uint32_t other) {
+    if (screen_.patches.empty()) {
+      pairs_.push_back({element, other, {Seen::not_compared, 0}});
+      return;
+    }
+    const Patch &a = screen_.patches[element], &b = screen_.patches[other];
+    if (a.is_one() && b.is_one()) {
+      Candidates& candidates = a.is_triangle() && b.is_triangle() ? triangles_ : others_;
+      add_lane(candidates, element, other);
+      end_pair(candidates, element, other, 1);
+    } else {
+      add_several(element, other);
     }
   }
 
@@ -357,24 +352,24 @@ std::size_t CollectPairs(const Screenful& screen, std::size_t leaf, std::vector<
       for (int k = 0; k < 3; ++k) {
         if (flat[k][i]) mask &= ~having_corner(screen.slots[other], corners.slot[k][i]);
       }
-      filter.add(static_cast<std::uint32_t>(leaf * BoxBlock::size + i), other, mask);
+      for (; mask != 0; mask &= mask - 1) {
+        filter.add(static_cast<std::uint32_t>(leaf * BoxBlock::size + i),
+                   static_cast<std::uint32_t>(other * BoxBlock::size + static_cast<unsigned>(std::countr_zero(mask))));
+      }
     }
   });
   filter.finish();
   return found;
 }
 
-void CollectOverlapping(const Screenful& screen, std::uint32_t element, const ScreenBox& box,
-                        std::span<const unsigned char> skip, std::vector<ElementPair>& pairs) {
+void CollectPassed(const Screenful& screen, std::uint32_t element, const ScreenBox& box, const PassedRanks& passed,
+                   std::vector<ElementPair>& pairs) {
   PairFilter filter(screen, 1, pairs);
-  for_each_block<of_key>(screen.boxes, box, 0, [&](std::size_t other) {
-    unsigned mask = overlapping<of_key>(screen.boxes[0][other], box);
-    for (unsigned left = mask; left != 0; left &= left - 1) {
-      const auto lane = static_cast<unsigned>(std::countr_zero(left));
-      if (skip[other * BoxBlock::size + lane] != 0) mask ^= 1u << lane;
+  for_each_block<of_key>(screen.boxes, box, 0, [&](std::size_t block) {
+    for (unsigned mask = overlapping<of_key>(screen.boxes[0][block], box); mask != 0; mask &= mask - 1) {
+      const auto other = static_cast<std::uint32_t>(block * BoxBlock::size + static_cast<unsigned>(std::countr_zero(mask)));
+      if (passed.contain(other)) filter.add(element, other);
     }
-    if (other == element / BoxBlock::size) mask &= ~(1u << element % BoxBlock::size);
-    filter.add(element, other, mask);
   });
   filter.finish();
 }
@@ -386,15 +381,15 @@ HWY_AFTER_NAMESPACE();
 namespace facetsort::exact_internal {
 
 HWY_EXPORT(CollectPairs);
-HWY_EXPORT(CollectOverlapping);
+HWY_EXPORT(CollectPassed);
 
 std::size_t collect_pairs(const Screenful& screen, std::size_t leaf, std::vector<ElementPair>& pairs) {
   return HWY_DYNAMIC_DISPATCH(CollectPairs)(screen, leaf, pairs);
 }
 
-void collect_overlapping(const Screenful& screen, std::uint32_t element, const ScreenBox& box,
-                         std::span<const unsigned char> skip, std::vector<ElementPair>& pairs) {
-  HWY_DYNAMIC_DISPATCH(CollectOverlapping)(screen, element, box, skip, pairs);
+void collect_passed(const Screenful& screen, std::uint32_t element, const ScreenBox& box, const PassedRanks& passed,
+                    std::vector<ElementPair>& pairs) {
+  HWY_DYNAMIC_DISPATCH(CollectPassed)(screen, element, box, passed, pairs);
 }
 
 }  // namespace facetsort::exact_internal

@@ -89,9 +89,22 @@ struct Screenful {
 // larger key. Returns how many boxes overlap, pairs left out included.
 std::size_t collect_pairs(const Screenful& screen, std::size_t leaf, std::vector<ElementPair>& pairs);
 
-// Appends the pairs of `element` with those whose boxes overlap `box` on the screen and in keys, but those certainly apart, those certainly in front
-// of `element`, and those for which skip[element] != 0.
-void collect_overlapping(const Screenful& screen, std::uint32_t element, const ScreenBox& box,
-                         std::span<const unsigned char> skip, std::vector<ElementPair>& pairs);
+// What an element is pulled past: from the rank `begin`, where it is pulled to, to its own, but nothing that is pulled
+// farther itself, and nothing that was looked at when the element was pulled to `searched`.
+struct PassedRanks {
+  std::uint32_t begin, end, searched;
+  std::span<const std::uint32_t> place;    // by rank: where each is pulled to
+  std::span<const std::uint32_t> rank_of;  // elements
+
+  bool contain(std::uint32_t element) const {
+    const std::uint32_t rank = rank_of[element];
+    return rank >= begin && rank < end && place[rank] >= begin && (rank < searched || place[rank] < searched);
+  }
+};
+
+// Appends the pairs of `element` with those that it passes and whose boxes overlap `box` on the screen and in keys, but
+// those certainly apart and those certainly in front of it.
+void collect_passed(const Screenful& screen, std::uint32_t element, const ScreenBox& box, const PassedRanks& passed,
+                    std::vector<ElementPair>& pairs);
 
 }  // namespace facetsort::exact_internal

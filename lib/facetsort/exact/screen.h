@@ -50,7 +50,7 @@ class Screen {
 
   // Elements come in leaves of eight.
   std::size_t leaves() const { return levels_[0].size(); }
-  // For collect_pairs() and collect_overlapping().
+  // For collect_pairs() and its like.
   Screenful screenful(const Elements& elements) const {
     return {levels_, elements.slot_blocks, patches_, keys_, flat_fan_, patch_rounding_};
   }
