@@ -36,6 +36,7 @@ struct CompareOptions {
   PictureSize size;
   float radii = 2.5f;
   bool orthographic = false;
+  int inside = 0;  // eyes; none: around the mesh
   PixelFormat format = PixelFormat::rgba32f;
   std::string output;
 };
@@ -71,8 +72,10 @@ void require_plots() {
 }
 
 std::vector<View> mesh_views(const InputMesh& mesh, const CompareOptions& options) {
-  std::vector<View> views = views_around(mesh.bounds, options.views, options.radii,
-                                         options.orthographic ? Projection::orthographic : Projection::perspective);
+  std::vector<View> views =
+      options.inside > 0 ? views_inside(mesh.bounds, options.inside)
+                         : views_around(mesh.bounds, options.views, options.radii,
+                                        options.orthographic ? Projection::orthographic : Projection::perspective);
   for (View& view : views) {
     view.width = options.size.width;
     view.height = options.size.height;
@@ -81,6 +84,8 @@ std::vector<View> mesh_views(const InputMesh& mesh, const CompareOptions& option
   }
   return views;
 }
+
+int view_count(const CompareOptions& options) { return options.inside > 0 ? 6 * options.inside : options.views; }
 
 // About what time a row is proportional to: facets are set up and sorted, pixels are shaded and compared.
 double row_work(const InputMesh& mesh, const CompareOptions& options) {
@@ -124,9 +129,9 @@ void compare_on_mesh(const InputMesh& mesh, const CompareOptions& options, const
   Agreement agreement;
 
   const std::vector<View> views = mesh_views(mesh, options);
-  for (int index = 0; index < options.views; ++index) {
+  for (int index = 0; index < view_count(options); ++index) {
     const std::string where =
-        mesh.name + ", view " + std::to_string(index + 1) + " of " + std::to_string(options.views) + ", ";
+        mesh.name + ", view " + std::to_string(index + 1) + " of " + std::to_string(views.size()) + ", ";
     progress.show(where + "referees");
     const RefereedView refereed = referee_view(mesh, referee, views[static_cast<std::size_t>(index)], options.format);
     fragments += refereed.lists.fragments.size();
@@ -174,12 +179,12 @@ ExitStatus run_compare(const CompareOptions& options, const CommonOptions& commo
   comparison.date = utc_time();
   comparison.width = options.size.width;
   comparison.height = options.size.height;
-  comparison.views = options.views;
+  comparison.views = view_count(options);
   comparison.has_stability_page = std::filesystem::exists(std::filesystem::path(options.output) / "stability.html");
   {
     double work = 0;
     for (const InputMesh& mesh : meshes) {
-      work += row_work(mesh, options) * static_cast<double>(options.strategies.size()) * options.views;
+      work += row_work(mesh, options) * static_cast<double>(options.strategies.size()) * view_count(options);
     }
     Progress progress(work);
     for (const InputMesh& mesh : meshes) compare_on_mesh(mesh, options, folder.path(), progress, comparison);
@@ -211,10 +216,16 @@ Verb add_compare(CLI::App& program, const CommonOptions& common) {
           "--strategies", [options](const std::string& text) { options->strategies = parse_strategies(text); },
           "Any of " + strategy_names() + " [all]")
       ->type_name("A,B,...");
-  add_count_option(*command, "--views", options->views, most_views, "Eyes around each mesh");
+  CLI::Option* views = add_count_option(*command, "--views", options->views, most_views, "Eyes around each mesh");
   add_size_option(*command, options->size, "Pixels of the pictures");
-  add_radii_option(*command, options->radii);
-  command->add_flag("--ortho", options->orthographic, "Orthographic, two bounding radii high [perspective]");
+  CLI::Option* radii = add_radii_option(*command, options->radii);
+  CLI::Option* ortho =
+      command->add_flag("--ortho", options->orthographic, "Orthographic, two bounding radii high [perspective]");
+  add_count_option(*command, "--inside", options->inside, most_views,
+                   "Eyes within each mesh's box instead, each with six views of 90 degrees")
+      ->excludes(views)
+      ->excludes(radii)
+      ->excludes(ortho);
   add_format_option(*command, options->format);
   add_count_option(*command, "--repeats", options->repeats, most_repeats,
                    "Timed frames of each strategy in each view, after one that is not; fewer where they take over two seconds");

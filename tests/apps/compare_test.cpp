@@ -110,6 +110,28 @@ TEST_F(Compare, WritesTheWholeReport) {
   EXPECT_EQ(names, (std::set<std::string>{"results.json", "results.csv", "index.html", "pictures"}));
 }
 
+TEST_F(Compare, SeesSixFacesFromEachEyeInside) {
+  ASSERT_EQ(compare({shells_, "--inside", "2", "--strategies", "unsorted,facet_sort:exact"}).status, 0);
+  const Json document = results();
+  EXPECT_EQ(document.at("views"), 12);
+  ASSERT_EQ(document.at("rows").size(), 24u);
+  std::size_t inverted_unsorted = 0;
+  for (const Json& row : document.at("rows")) {
+    if (row.at("strategy") == "unsorted") {
+      inverted_unsorted += row.at("inverted_pixels").get<std::size_t>();
+      continue;
+    }
+    EXPECT_EQ(row.at("covered_pixels"), row.at("embree_rays"));
+    EXPECT_EQ(row.at("inverted_pixels"), 0) << row.dump();
+    EXPECT_EQ(row.at("embree_inverted"), 0) << row.dump();
+    EXPECT_EQ(row.at("wrong_pixels"), 0) << row.dump();
+  }
+  EXPECT_GT(inverted_unsorted, 0u);
+  const Finished both = compare({shells_, "--inside", "2", "--views", "3"});
+  EXPECT_EQ(both.status, 2);
+  EXPECT_NE(both.error.find("--inside"), std::string::npos) << both.error;
+}
+
 TEST_F(Compare, JudgesShellsAsTheyAre) {
   ASSERT_EQ(compare({shells_, "--views", "2", "--ortho"}).status, 0);
   const Json document = results();

@@ -237,5 +237,22 @@ TEST(Views, OfACubeSeeEachDirectionOnce) {
   }
 }
 
+TEST(Views, InsideStartFromEyesSpreadWithinTheBox) {
+  const Box box{{1, 1, 1}, {3, 5, 9}};
+  const std::vector<View> views = views_inside(box, 5);
+  ASSERT_EQ(views.size(), 30u);
+  for (int i = 0; i < 5; ++i) {
+    const glm::vec3 eye = views[6 * i].eye;
+    const glm::dvec3 direction = (glm::dvec3(eye) - glm::dvec3(2, 3, 5)) / glm::dvec3(0.5, 1, 2);
+    EXPECT_LT(glm::length(direction - fibonacci_direction(i, 5)), 1e-6) << i;
+    const std::vector<View> faces = cube_views(box, eye);
+    for (int face = 0; face < 6; ++face) {
+      EXPECT_EQ(views[6 * i + face].eye, eye);
+      EXPECT_EQ(views[6 * i + face].forward(), faces[face].forward());
+      EXPECT_TRUE(validate(views[6 * i + face]).ok());
+    }
+  }
+}
+
 }  // namespace
 }  // namespace facetsort

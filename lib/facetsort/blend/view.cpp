@@ -163,4 +163,15 @@ std::vector<View> cube_views(const Box& bounds, const glm::vec3& eye) {
   return views;
 }
 
+std::vector<View> views_inside(const Box& bounds, int n) {
+  const glm::dvec3 halfway = (glm::dvec3(bounds.highest) - glm::dvec3(bounds.lowest)) / 4.0;
+  std::vector<View> views;
+  views.reserve(6 * static_cast<std::size_t>(n));
+  for (int i = 0; i < n; ++i) {
+    const glm::vec3 eye(glm::dvec3(bounds.centre()) + halfway * fibonacci_direction(i, n));
+    for (const View& view : cube_views(bounds, eye)) views.push_back(view);
+  }
+  return views;
+}
+
 }  // namespace facetsort

@@ -77,4 +77,7 @@ std::vector<View> views_around(const Box& bounds, int n, float radii, Projection
 // Six views of 90 degrees from one eye, down the axes +x, -x, +y, -y, +z, -z: all that an eye inside a mesh sees.
 std::vector<View> cube_views(const Box& bounds, const glm::vec3& eye);
 
+// The cube_views() of n eyes within the box: points of the Fibonacci sphere, halfway from the centre to the faces.
+std::vector<View> views_inside(const Box& bounds, int n);
+
 }  // namespace facetsort
