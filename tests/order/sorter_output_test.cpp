@@ -27,8 +27,10 @@ SortView view_from(const Mesh& mesh, const glm::vec3& direction, float radii) {
 }
 
 std::vector<SortView> views_of(const Mesh& mesh) {
-  return {view_from(mesh, glm::vec3(0.36f, 0.48f, 0.8f), 2.5f), view_from(mesh, glm::vec3(-0.8f, 0.36f, 0.48f), 0.3f),
-          view_from(mesh, glm::vec3(0.48f, -0.8f, 0.36f), 50), {glm::vec4(0.6f, 0, 0.8f, 0), glm::vec3(-0.6f, 0, -0.8f)}};
+  return {view_from(mesh, glm::vec3(0.36f, 0.48f, 0.8f), 2.5f),
+          view_from(mesh, glm::vec3(-0.8f, 0.36f, 0.48f), 0.3f),
+          view_from(mesh, glm::vec3(0.48f, -0.8f, 0.36f), 50),
+          {glm::vec4(0.6f, 0, 0.8f, 0), glm::vec3(-0.6f, 0, -0.8f)}};
 }
 
 // A comparison sort of the Sorter's own keys: what every way through it must give.
@@ -47,7 +49,9 @@ Ids all_ids(const Mesh& mesh) {
   return ids;
 }
 
-Ids copy(std::span<const std::uint32_t> ids) { return {ids.begin(), ids.end()}; }
+Ids copy(std::span<const std::uint32_t> ids) {
+  return {ids.begin(), ids.end()};
+}
 
 // Facets in places drawn from `places`, one key each along the z axis.
 template <typename Place>
@@ -80,7 +84,8 @@ const std::vector<NamedMesh>& uneven_meshes() {
       const std::string size = std::to_string(count);
       made.push_back({"flat_" + size, facets_at(count, [](std::size_t) { return 0.5f; })});
       made.push_back({"two_depths_" + size, facets_at(count, [](std::size_t i) { return i % 3 == 0 ? 1.0f : -1.0f; })});
-      made.push_back({"outlier_" + size, facets_at(count, [&](std::size_t i) { return i == 7 ? 1e6f : even(random); })});
+      made.push_back(
+          {"outlier_" + size, facets_at(count, [&](std::size_t i) { return i == 7 ? 1e6f : even(random); })});
       made.push_back({"steps_" + size, facets_at(count, [](std::size_t i) { return static_cast<float>(i % 50); })});
       // Each a thousandth as far from 0 as the last thousand: every range has nearly all of them at its end.
       made.push_back({"many_scales_" + size, facets_at(count, [&](std::size_t i) {
@@ -125,7 +130,8 @@ std::uint64_t hash_of_everything() {
       Sorter sorter(mesh.view(), {.method = method, .cull_back_faces = method == Method::bounds_centre});
       for (const SortView& view : views_of(mesh)) sum = hash(sum, sorter.sort(view));
     }
-    Sorter culling(mesh.view(), {.direction = Direction::front_to_back, .cull_back_faces = true, .cull_by_clip_planes = true});
+    Sorter culling(mesh.view(),
+                   {.direction = Direction::front_to_back, .cull_back_faces = true, .cull_by_clip_planes = true});
     SortView view = views_of(mesh)[1];
     const glm::vec3 eye(view.eye);
     const std::array planes = clip_planes_of(glm::perspective(0.7f, 1.0f, 0.01f, 100.0f) *
@@ -263,8 +269,9 @@ TEST(SorterOutput, ClipPlanesLeaveOutOnlyWhatLiesOutside) {
   for (SortView view : views_of(mesh)) {
     if (view.eye.w == 0) continue;
     const glm::vec3 eye(view.eye);
-    const std::array planes = clip_planes_of(glm::perspective(0.5f, 1.3f, 0.01f, 1000.0f) *
-                                             glm::lookAt(eye, eye + view.forward + glm::vec3(0.1f), glm::vec3(0, 1, 0)));
+    const std::array planes =
+        clip_planes_of(glm::perspective(0.5f, 1.3f, 0.01f, 1000.0f) *
+                       glm::lookAt(eye, eye + view.forward + glm::vec3(0.1f), glm::vec3(0, 1, 0)));
     const Ids order = copy(whole.sort(view));
     EXPECT_EQ(copy(clipping.sort(view)), order) << "no planes, nothing left out";
     view.clip_planes = planes;

@@ -36,8 +36,8 @@ void compute_points(std::span<const glm::uvec3> triangles, const StridedPosition
   parallel_ranges(triangles.size(), facets_per_task, [&](std::size_t begin, std::size_t end) {
     for (std::size_t facet = begin; facet < end; ++facet) {
       const glm::uvec3& t = triangles[facet];
-      const glm::dvec3 point = point_of<kind>(glm::dvec3(positions[t.x]), glm::dvec3(positions[t.y]),
-                                              glm::dvec3(positions[t.z]));
+      const glm::dvec3 point =
+          point_of<kind>(glm::dvec3(positions[t.x]), glm::dvec3(positions[t.y]), glm::dvec3(positions[t.z]));
       const glm::vec3 p((point - frame.origin) * frame.scale);
       points.x[facet] = p.x;
       points.y[facet] = p.y;
@@ -115,7 +115,9 @@ Plane facet_plane(const MeshView& mesh, std::uint32_t facet) {
   return {normal, glm::dot(normal, a)};
 }
 
-glm::vec3 Box::centre() const { return glm::vec3((glm::dvec3(lowest) + glm::dvec3(highest)) / 2.0); }
+glm::vec3 Box::centre() const {
+  return glm::vec3((glm::dvec3(lowest) + glm::dvec3(highest)) / 2.0);
+}
 
 float Box::radius() const {
   return static_cast<float>(glm::length(glm::dvec3(highest) - glm::dvec3(lowest)) / 2.0);
@@ -136,6 +138,8 @@ Box facet_bounds(std::span<const glm::uvec3> triangles, const StridedPositions& 
                                              : tbb::parallel_reduce(all, first, box_of_range, both);
 }
 
-Box facet_bounds(const MeshView& mesh) { return facet_bounds(mesh.triangles, mesh.positions); }
+Box facet_bounds(const MeshView& mesh) {
+  return facet_bounds(mesh.triangles, mesh.positions);
+}
 
 }  // namespace facetsort

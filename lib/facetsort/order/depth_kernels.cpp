@@ -160,9 +160,8 @@ HWY_INLINE std::size_t cull_tile(const KeySource& source, std::size_t first, std
     nz = whole_vectors(source.facing.z + first, count, copies[2]);
   }
   const hn::Rebind<std::int16_t, FloatTag> d16;
-  const auto component = [&](const std::int16_t* from) HWY_ATTR {
-    return hn::ConvertTo(d, hn::PromoteTo(di, hn::LoadU(d16, from)));
-  };
+  const auto component = [&](const std::int16_t* from)
+                             HWY_ATTR { return hn::ConvertTo(d, hn::PromoteTo(di, hn::LoadU(d16, from))); };
   const FloatVec scale = hn::Set(d, source.facing.scale);
   const FloatVec ex = hn::Set(d, source.facing.eye.x), ey = hn::Set(d, source.facing.eye.y),
                  ez = hn::Set(d, source.facing.eye.z);
@@ -173,8 +172,8 @@ HWY_INLINE std::size_t cull_tile(const KeySource& source, std::size_t first, std
     if (facing) {
       const FloatVec dx = hn::Sub(ex, hn::Mul(scale, x)), dy = hn::Sub(ey, hn::Mul(scale, y)),
                      dz = hn::Sub(ez, hn::Mul(scale, z));
-      const FloatVec product =
-          hn::Add(hn::Add(hn::Mul(component(nx + i), dx), hn::Mul(component(ny + i), dy)), hn::Mul(component(nz + i), dz));
+      const FloatVec product = hn::Add(hn::Add(hn::Mul(component(nx + i), dx), hn::Mul(component(ny + i), dy)),
+                                       hn::Mul(component(nz + i), dz));
       // A normal's components are off by half a step each; the rest bounds the roundings of points, eye and product.
       const FloatVec reach_of_rounding = hn::Add(hn::Add(hn::Abs(dx), hn::Abs(dy)), hn::Abs(dz));
       const FloatVec error = hn::Add(hn::Mul(hn::Set(d, 0.6f), reach_of_rounding), hn::Set(d, 0.25f));
@@ -418,7 +417,9 @@ HWY_INLINE void unrolled(std::size_t count, const Body& body) {
   for (; i < count; ++i) body(i);
 }
 
-HWY_INLINE std::size_t id_of(std::int64_t entry) { return static_cast<std::uint32_t>(entry); }
+HWY_INLINE std::size_t id_of(std::int64_t entry) {
+  return static_cast<std::uint32_t>(entry);
+}
 
 HWY_INLINE void write(const std::int64_t* sorted, std::size_t count, const Output& output) {
   const std::uint32_t* corners = output.corners;
@@ -448,22 +449,6 @@ HWY_INLINE void write(const std::int64_t* sorted, std::size_t count, const Outpu
 // No bin holds as many: so far, and no farther, insertion moves an entry. A power of two, as exclusive_sums() wants.
 constexpr std::size_t too_many_in_bin = 64;
 
-// Bit i: sorted[i] is less than the entry before it. Of up to 64 entries from `first` on, which is not 0.
-HWY_INLINE std::uint64_t descents(const std::int64_t* sorted, std::size_t first, std::size_t count) {
-  const hn::CappedTag<std::int64_t, 8> d;
-  constexpr std::size_t lanes = hn::MaxLanes(d);
-  std::uint64_t bits = 0;
-  std::size_t i = 0;
-  for (; i + lanes <= count; i += lanes) {
-    const auto less = hn::Lt(hn::LoadU(d, sorted + first + i), hn::LoadU(d, sorted + first + i - 1));
-    std::uint8_t of_lanes[8];
-    hn::StoreMaskBits(d, less, of_lanes);
-    bits |= static_cast<std::uint64_t>(of_lanes[0]) << i;
-  }
-  for (; i < count; ++i) bits |= std::uint64_t{sorted[first + i] < sorted[first + i - 1]} << i;
-  return bits;
-}
-
 // Moves sorted[i] to its place among those before it, which are in order.
 HWY_INLINE void insert(std::int64_t* sorted, std::size_t i) {
   const std::int64_t entry = sorted[i];
@@ -474,35 +459,30 @@ HWY_INLINE void insert(std::int64_t* sorted, std::size_t i) {
   sorted[i] = entry;
 }
 
-// Puts right what is out of order, and writes out what can't change any more while it is in the cache. What is out of
-// order is found for many entries at once: a branch for each would be mispredicted each time.
+// Puts right what is out of order, and writes out what can't change any more while it is in the cache. One entry is
+// carried along and exchanged for a smaller one without a branch, which would often be mispredicted: that settles bins
+// of two, and most of three.
 HWY_INLINE void insert_and_write(std::int64_t* sorted, std::size_t count, const Output& output) {
   std::size_t written = 0;
-  for (std::size_t begin = 0; begin < count; begin += too_many_in_bin) {
+  std::int64_t carried = sorted[0], largest = std::numeric_limits<std::int64_t>::min();
+  for (std::size_t begin = 1; begin < count; begin += too_many_in_bin) {
     const std::size_t end = std::min(count, begin + too_many_in_bin);
-    const std::size_t first = std::max<std::size_t>(begin, 1);
-    std::size_t done = first;
-    if (output.prefetches) {
-      unrolled(end - begin, [&](std::size_t i) HWY_ATTR {
-        hwy::Prefetch(output.corners + 3 * id_of(sorted[begin + i]));
-      });
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::int64_t entry = sorted[i], smaller = std::min(carried, entry);
+      carried = std::max(carried, entry);
+      sorted[i - 1] = smaller;
+      if (HWY_LIKELY(smaller >= largest)) {
+        largest = smaller;
+      } else {
+        insert(sorted, i - 1);
+      }
     }
-    for (std::uint64_t bits = end == first ? 0 : descents(sorted, first, end - first); bits != 0; bits &= bits - 1) {
-      std::size_t i = first + hwy::Num0BitsBelowLS1Bit_Nonzero64(bits);
-      if (i < done) continue;
-      // What follows was compared with an entry that is no longer before it.
-      do {
-        insert(sorted, i++);
-      } while (i < end && sorted[i] < sorted[i - 1]);
-      done = i;
-    }
-    if (end == count) {
-      write(sorted + written, count - written, output + written);
-    } else {
-      write(sorted + written, begin - written, output + written);
-      written = begin;
-    }
+    write(sorted + written, begin - 1 - written, output + written);
+    written = begin - 1;
   }
+  // None that was written is larger than the one still carried.
+  sorted[count - 1] = carried;
+  write(sorted + written, count - written, output + written);
 }
 
 bool SortEntries(const Entries& from, std::size_t count, const KeyRange& range, std::int64_t* sorted,
@@ -523,6 +503,11 @@ bool SortEntries(const Entries& from, std::size_t count, const KeyRange& range, 
   for (std::size_t first = 0; first < count; first += tile_facets) {
     const std::size_t size = std::min(tile_facets, count - first);
     bins_of_tile(whole_vectors(from.keys + first, size, key_copy), size);
+    if (output.prefetches) {
+      // Now, while ids still ascend: in this order memory gives them up fastest.
+      const std::uint32_t* ids = from.ids + first;
+      unrolled(size, [&](std::size_t i) HWY_ATTR { hwy::Prefetch(output.corners + 3 * std::size_t{ids[i]}); });
+    }
     unrolled(size, [&](std::size_t i) HWY_ATTR { ++bins[tile.buckets[i]]; });
   }
   if (exclusive_sums(bins, bin_total) >= too_many_in_bin) return false;
@@ -545,8 +530,8 @@ void SortUnevenEntries(const Entries& from, std::size_t count, std::int64_t* sor
   HWY_ALIGN std::int64_t merged[tile_facets];
   for (std::size_t first = 0; first < count; first += tile_facets) {
     const std::size_t size = std::min(tile_facets, count - first);
-    merge_keys_and_ids(whole_vectors(from.keys + first, size, key_copy),
-                       whole_vectors(from.ids + first, size, id_copy), size, merged);
+    merge_keys_and_ids(whole_vectors(from.keys + first, size, key_copy), whole_vectors(from.ids + first, size, id_copy),
+                       size, merged);
     std::memcpy(sorted + first, merged, size * sizeof(std::int64_t));
   }
   std::sort(sorted, sorted + count);
@@ -615,7 +600,9 @@ void partition(const Entries& from, std::size_t count, const BucketMap& map, std
   HWY_DYNAMIC_DISPATCH(PartitionEntries)(from, count, map, cursors, to);
 }
 
-KeyRange key_range(const float* keys, std::size_t count) { return HWY_DYNAMIC_DISPATCH(RangeOfKeys)(keys, count); }
+KeyRange key_range(const float* keys, std::size_t count) {
+  return HWY_DYNAMIC_DISPATCH(RangeOfKeys)(keys, count);
+}
 
 bool sort_entries(const Entries& from, std::size_t count, const KeyRange& range, std::int64_t* sorted,
                   std::uint16_t* bins, const Output& output) {
@@ -630,7 +617,8 @@ void write_entries(const std::uint32_t* ids, std::size_t count, const Output& ou
   for (std::size_t k = 0; k < count; ++k) {
     const std::uint32_t id = ids[k];
     for (int corner = 0; corner < 3; ++corner) {
-      if (output.indices_32 != nullptr) output.indices_32[3 * k + corner] = output.corners[3 * std::size_t{id} + corner];
+      if (output.indices_32 != nullptr)
+        output.indices_32[3 * k + corner] = output.corners[3 * std::size_t{id} + corner];
       if (output.indices_16 != nullptr) {
         output.indices_16[3 * k + corner] = static_cast<std::uint16_t>(output.corners[3 * std::size_t{id} + corner]);
       }

@@ -76,7 +76,7 @@ struct Output {
   std::uint32_t* indices_32 = nullptr;
   std::uint16_t* indices_16 = nullptr;
   std::uint32_t* ids = nullptr;
-  bool prefetches = false;  // the corners: where they are too many for the cache
+  bool prefetches = false;  // corners, where they are too many for the cache
 
   Output operator+(std::size_t facets) const;
 };
@@ -97,8 +97,7 @@ void partition(const KeySource& source, const BucketMap& map, std::size_t begin,
                std::uint32_t* cursors, const Entries& to);
 // The same for entries already made.
 void count_buckets(const Entries& from, std::size_t count, const BucketMap& map, std::uint32_t* counts);
-void partition(const Entries& from, std::size_t count, const BucketMap& map, std::uint32_t* cursors,
-               const Entries& to);
+void partition(const Entries& from, std::size_t count, const BucketMap& map, std::uint32_t* cursors, const Entries& to);
 
 struct KeyRange {
   float lowest, highest;
@@ -107,8 +106,9 @@ struct KeyRange {
 KeyRange key_range(const float* keys, std::size_t count);
 
 // Sorts entries by descending key, equal keys by ascending id, into the output. False, and nothing written, where they
-// are too unevenly spread over `range` for that to be quick. `sorted` has room for `count`, `bins` for bin_count(count).
-// Preconditions: count <= most_sorted_entries; the ids of equal keys ascend; range.lowest < range.highest.
+// are too unevenly spread over `range` for that to be quick. `sorted` has room for `count`, `bins` for
+// bin_count(count). Preconditions: count <= most_sorted_entries; the ids of equal keys ascend; range.lowest <
+// range.highest.
 bool sort_entries(const Entries& from, std::size_t count, const KeyRange& range, std::int64_t* sorted,
                   std::uint16_t* bins, const Output& output);
 // The same by comparisons, for any spread.

@@ -15,7 +15,6 @@
 
 namespace facetsort {
 
-
 // Where the picture is seen from, in the mesh's space.
 struct SortView {
   // (x, y, z, 1): a point, perspective. (x, y, z, 0): the direction towards the viewer, orthographic (any length > 0).
@@ -51,9 +50,9 @@ struct FacetRange {
 
 // Sorts one mesh for many views. Construction computes what does not depend on the view; the sorting functions allocate
 // nothing after the first call of each, in an arena of no more threads. Keys are float32, compared to the last bit:
-// facets with equal keys come out by smaller id first, in both directions. They are taken relative to the mesh's centre,
-// so a mesh far from the origin, or an eye far from the mesh, costs no digits; nor does an eye near facets that are
-// small against the mesh. The order depends on neither thread count nor instruction set. Mirroring mesh and eye, or
+// facets with equal keys come out by smaller id first, in both directions. They are taken relative to the mesh's
+// centre, so a mesh far from the origin, or an eye far from the mesh, costs no digits; nor does an eye near facets that
+// are small against the mesh. The order depends on neither thread count nor instruction set. Mirroring mesh and eye, or
 // scaling both by a power of two, changes no key comparison.
 //
 // Meshes whose facets lie in spatial order (spatial_order()) sort fastest. Large meshes are sorted in parallel in the
