@@ -77,7 +77,7 @@ const std::vector<NamedMesh>& uneven_meshes() {
     std::mt19937 random(5);
     std::uniform_real_distribution<float> even(-1, 1);
     std::vector<NamedMesh> made;
-    for (const std::size_t count : {1, 2, 63, 64, 65, 200, 32768, 32769, 100000}) {
+    for (const std::size_t count : {1, 2, 63, 64, 65, 200, 32768, 32769, 65535, 65536, 100000}) {
       made.push_back({"even_" + std::to_string(count), facets_at(count, [&](std::size_t) { return even(random); })});
     }
     for (const std::size_t count : {3000, 100000}) {
@@ -370,7 +370,7 @@ TEST(SorterOutput, AllocatesNothingAfterTheFirstCallOfEach) {
 }
 
 TEST(SorterOutput, HoldsAtMost40BytesAFacet) {
-  for (const std::size_t facets : {20000, 33000, 70000, 300000}) {
+  for (const std::size_t facets : {20000, 33000, 65000, 70000, 300000}) {
     const Mesh mesh = shapes::torus_knot(facets);
     for (const int threads : {1, 8}) {
       with_threads(threads, [&] {

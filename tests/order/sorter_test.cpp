@@ -58,9 +58,7 @@ std::vector<SortView> views_of(const Mesh& mesh) {
   return views;
 }
 
-FacetFrame frame_of(const Mesh& mesh) {
-  return facet_frame(facet_bounds(mesh.view()));
-}
+FacetFrame frame_of(const Mesh& mesh) { return facet_frame(facet_bounds(mesh.view())); }
 
 // The key in double, from the corners themselves, in units of the mesh's frame; larger is farther.
 double true_key(const Mesh& mesh, const FacetFrame& frame, std::uint32_t facet, const SortView& view, Method method) {
@@ -228,8 +226,7 @@ TEST_P(EveryMethod, SameOrderForAnyThreadCount) {
   const SortView view = views_of(mesh)[1];
   const std::vector<std::uint32_t> order = sort_facets(mesh.view(), view, GetParam());
   for (const int threads : {1, 2, 3, 8}) {
-    with_threads(threads,
-                 [&] { EXPECT_EQ(sort_facets(mesh.view(), view, GetParam()), order) << threads << " threads"; });
+    with_threads(threads, [&] { EXPECT_EQ(sort_facets(mesh.view(), view, GetParam()), order) << threads << " threads"; });
   }
 }
 
@@ -316,8 +313,7 @@ TEST(Sorter, DifferentSortersServeDifferentThreadsAtOnce) {
   std::vector<std::vector<std::uint32_t>> expected;
   for (const SortView& view : views) expected.push_back(sort_facets(mesh.view(), view));
   std::vector<std::vector<std::uint32_t>> found(views.size());
-  tbb::parallel_for(std::size_t{0}, views.size(),
-                    [&](std::size_t i) { found[i] = sort_facets(mesh.view(), views[i]); });
+  tbb::parallel_for(std::size_t{0}, views.size(), [&](std::size_t i) { found[i] = sort_facets(mesh.view(), views[i]); });
   EXPECT_EQ(found, expected);
 }
 

@@ -1,7 +1,7 @@
-// A least-significant-digit radix sort: three counting passes of 11, 11 and 10 bits over (key, id), all three
-// histograms counted first, the last pass leaving ids alone. Knuth, The Art of Computer Programming 3, 5.2.5; the
-// order-preserving map from float32 bits to unsigned integers is Terdiman's ("Radix Sort Revisited", 2000) and Herf's
-// ("Radix Tricks", 2001).
+// A least-significant-digit radix sort: three counting passes of 11, 11 and 10 bits over (key, id), all three histograms
+// counted first, the last pass leaving ids alone. Knuth, The Art of Computer Programming 3, 5.2.5; the order-preserving
+// map from float32 bits to unsigned integers is Terdiman's ("Radix Sort Revisited", 2000) and Herf's ("Radix Tricks",
+// 2001).
 #include "facetsort/order/key_sort.h"
 
 #include <array>

@@ -11,8 +11,8 @@ namespace facetsort {
 // Keeps its scratch from call to call. One thread at a time.
 class KeySort {
  public:
-  // Positions in `keys`, largest key first, equal keys by smaller position. No key is NaN; -0 comes after 0. The span
-  // is valid until the next call.
+  // Positions in `keys`, largest key first, equal keys by smaller position. No key is NaN; -0 comes after 0. The span is
+  // valid until the next call.
   std::span<const std::uint32_t> sort(std::span<const float> keys);
 
   std::size_t memory_bytes() const {

@@ -5,26 +5,21 @@
 namespace facetsort {
 namespace {
 
-constexpr std::array methods = {
-    Method::centroid_distance, Method::centroid_depth,  Method::bounds_centre, Method::first_vertex,
-    Method::nearest_vertex,    Method::farthest_vertex, Method::exact};
-constexpr std::array<std::string_view, methods.size()> names = {
-    "centroid_distance", "centroid_depth",  "bounds_centre", "first_vertex",
-    "nearest_vertex",    "farthest_vertex", "exact"};
+constexpr std::array methods = {Method::centroid_distance, Method::centroid_depth, Method::bounds_centre,
+                                Method::first_vertex,      Method::nearest_vertex, Method::farthest_vertex,
+                                Method::exact};
+constexpr std::array<std::string_view, methods.size()> names = {"centroid_distance", "centroid_depth",
+                                                                "bounds_centre",     "first_vertex",
+                                                                "nearest_vertex",    "farthest_vertex",
+                                                                "exact"};
 
 }  // namespace
 
-std::span<const Method> all_methods() {
-  return methods;
-}
+std::span<const Method> all_methods() { return methods; }
 
-std::span<const Method> depth_key_methods() {
-  return std::span(methods).first(methods.size() - 1);
-}
+std::span<const Method> depth_key_methods() { return std::span(methods).first(methods.size() - 1); }
 
-std::string_view method_name(Method method) {
-  return names[static_cast<std::size_t>(method)];
-}
+std::string_view method_name(Method method) { return names[static_cast<std::size_t>(method)]; }
 
 std::optional<Method> method_from_name(std::string_view name) {
   if (name == "parametric_centre") return Method::centroid_depth;

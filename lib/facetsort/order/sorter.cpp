@@ -26,12 +26,12 @@ namespace {
 
 constexpr std::size_t facets_per_task = 16384;
 
-// A mesh or a bucket of up to this size is sorted at once, above it is partitioned first: its entries, bins and output
-// share the second-level cache. As many facets a thread at least, so that the threads' scratch is no more than a
-// mesh's.
-constexpr std::size_t most_sorted_at_once = 32768;
-static_assert(most_sorted_at_once <= most_sorted_entries);
-constexpr std::size_t facets_per_bucket = most_sorted_at_once / 2;
+// A mesh of more facets is partitioned first, unless it is too small for two threads; then its buckets are sorted at
+// once, which are half as large as that on average, so that entries, bins and output of one share the second-level
+// cache. There are as many facets a thread at least: the threads' scratch is no more than a mesh's.
+constexpr std::size_t facets_of_thread = 32768;
+static_assert(2 * facets_of_thread - 1 <= most_sorted_entries);
+constexpr std::size_t facets_per_bucket = facets_of_thread / 2;
 constexpr std::size_t most_buckets = 1024;
 // So that a thread that is late holds up little.
 constexpr std::size_t parts_per_thread = 4;
@@ -175,8 +175,9 @@ std::size_t part_begin(std::size_t begin, std::size_t end, std::size_t part, std
 
 // What a thread sorts in.
 struct ThreadScratch {
-  std::byte* sorted;    // room for most_sorted_at_once entries, or for all of a mesh of fewer
+  std::byte* sorted;    // room for `entries`
   std::uint16_t* bins;  // room for theirs
+  std::size_t entries;
 };
 
 // Entries in the order of their keys, into the output. `scratch.sorted` has room for `count`, whatever that is.
@@ -185,7 +186,7 @@ void sort_bucket(const Entries& entries, std::size_t count, const ThreadScratch&
   const KeyRange range = key_range(entries.keys, count);
   if (range.lowest == range.highest) return write_entries(entries.ids, count, output);
   std::int64_t* sorted = reinterpret_cast<std::int64_t*>(scratch.sorted);
-  if (count <= most_sorted_at_once && sort_entries(entries, count, range, sorted, scratch.bins, output)) return;
+  if (count <= scratch.entries && sort_entries(entries, count, range, sorted, scratch.bins, output)) return;
 
   // Too many, or unevenly spread: over buckets of their own, in each of which the range is narrower.
   constexpr std::size_t buckets = 256;
@@ -243,6 +244,7 @@ struct Sorter::State {
   bool is_sorted_for(const SortView& other) const;
   void remember(const SortView& sorted_view);
   KeySource source() const;
+  std::size_t sorted_at_once() const;
   std::size_t reserve_scratch();
   ThreadScratch scratch_of(std::size_t thread);
   std::size_t sort_range(const KeySource& source, std::size_t begin, std::size_t end, std::size_t threads,
@@ -335,21 +337,25 @@ KeySource Sorter::State::source() const {
   return made;
 }
 
+std::size_t Sorter::State::sorted_at_once() const {
+  return facet_count() < 2 * facets_of_thread ? facet_count() : facets_of_thread;
+}
+
 // The number of threads that there is work for.
 std::size_t Sorter::State::reserve_scratch() {
   const std::size_t count = facet_count();
   const auto most = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
-  const std::size_t threads = std::clamp<std::size_t>(count / most_sorted_at_once, 1, most);
+  const std::size_t threads = std::clamp<std::size_t>(count / facets_of_thread, 1, most);
   keys.get(count);
   ids.get(count);
   sorted.get(count * sizeof(std::int64_t));
-  bins.get(threads * bin_count(std::min(most_sorted_at_once, count)));
+  bins.get(threads * bin_count(sorted_at_once()));
   return threads;
 }
 
 ThreadScratch Sorter::State::scratch_of(std::size_t thread) {
-  return {sorted.data() + thread * most_sorted_at_once * sizeof(std::int64_t),
-          bins.data() + thread * bin_count(std::min(most_sorted_at_once, facet_count()))};
+  const std::size_t entries = sorted_at_once();
+  return {sorted.data() + thread * entries * sizeof(std::int64_t), bins.data() + thread * bin_count(entries), entries};
 }
 
 std::size_t Sorter::State::sort_large_range(const KeySource& source, std::size_t begin, std::size_t end,
@@ -395,13 +401,13 @@ std::size_t Sorter::State::sort_large_range(const KeySource& source, std::size_t
   std::atomic<std::size_t> next{0};
   const auto sort_buckets = [&](std::size_t thread) {
     for (std::size_t bucket; (bucket = next.fetch_add(1, std::memory_order_relaxed)) < buckets;) {
-      if (size_of(bucket) <= most_sorted_at_once) sort_one(bucket, scratch_of(thread));
+      if (size_of(bucket) <= sorted_at_once()) sort_one(bucket, scratch_of(thread));
     }
   };
   for_threads(threads, sort_buckets);
   // Where depths are very uneven some are too large for a thread's scratch: they get everyone's.
   for (std::size_t bucket = 0; bucket < buckets; ++bucket) {
-    if (size_of(bucket) > most_sorted_at_once) sort_one(bucket, scratch_of(0));
+    if (size_of(bucket) > sorted_at_once()) sort_one(bucket, scratch_of(0));
   }
   return sum - begin;
 }
@@ -409,7 +415,7 @@ std::size_t Sorter::State::sort_large_range(const KeySource& source, std::size_t
 // The facets of [begin, end) by themselves, from output[0] on; the number of them that are not culled.
 std::size_t Sorter::State::sort_range(const KeySource& source, std::size_t begin, std::size_t end, std::size_t threads,
                                       const ThreadScratch& scratch, const Output& output) {
-  if (end - begin > most_sorted_at_once) return sort_large_range(source, begin, end, threads, output);
+  if (end - begin > sorted_at_once()) return sort_large_range(source, begin, end, threads, output);
   const Entries entries = Entries{keys.data(), ids.data()} + begin;
   const std::size_t count = collect(source, begin, end, entries);
   sort_bucket(entries, count, scratch, output);
@@ -464,7 +470,7 @@ void Sorter::State::sort_ranges(const SortView& of_view, std::span<const glm::uv
     counts_out[range] = static_cast<std::uint32_t>(
         sort_range(from, r.first, std::size_t{r.first} + r.count, with_threads, scratch, output + r.first));
   };
-  const auto is_large = [&](std::size_t range) { return ranges[range].count > most_sorted_at_once; };
+  const auto is_large = [&](std::size_t range) { return ranges[range].count > sorted_at_once(); };
   // A large range has work for all threads; the others are shared out.
   for (std::size_t range = 0; range < ranges.size(); ++range) {
     if (is_large(range)) sort_one(range, threads, scratch_of(0));
