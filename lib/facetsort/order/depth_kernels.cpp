@@ -185,10 +185,21 @@ HWY_INLINE std::size_t cull_tile(const KeySource& source, std::size_t first, std
       const float slack = reach + 32 * 3.5f * 0x1p-24f + glm::abs(planes[p].w) * 0x1p-22f;
       keep = hn::And(keep, hn::Ge(value, hn::Set(d, -planes[p].w - slack)));
     }
-    const FloatVec key = hn::Load(d, tile.keys + i);
-    const auto id = hn::Load(IdTag(), tile.ids + i);
-    hn::CompressBlendedStore(key, keep, d, tile.keys + kept);
-    kept += hn::CompressBlendedStore(id, hn::RebindMask(IdTag(), keep), IdTag(), tile.ids + kept);
+    // Neighbours mostly face the same way. Where they don't, without a branch a facet.
+    if (hn::AllFalse(d, keep)) continue;
+    if (hn::AllTrue(d, keep)) {
+      hn::StoreU(hn::Load(d, tile.keys + i), d, tile.keys + kept);
+      hn::StoreU(hn::Load(IdTag(), tile.ids + i), IdTag(), tile.ids + kept);
+      kept += hn::Lanes(d);
+      continue;
+    }
+    std::uint8_t bits[8] = {};
+    hn::StoreMaskBits(d, keep, bits);
+    for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane) {
+      tile.keys[kept] = tile.keys[i + lane];
+      tile.ids[kept] = tile.ids[i + lane];
+      kept += bits[lane / 8] >> (lane % 8) & 1;
+    }
   }
   return kept;
 }
@@ -239,11 +250,11 @@ HWY_INLINE void for_buckets(const float* keys, std::size_t count, const BucketMa
       for (std::size_t lane = 0; lane < lanes; ++lane) one(i + lane, buckets[lane]);
     }
   }
-  if (i == count) return;
-  HWY_ALIGN float last[tile_facets] = {};
-  std::memcpy(last, keys + i, (count - i) * sizeof(float));
-  hn::Store(hn::ConvertTo(di, bucket_of(map, hn::Load(d, last))), di, buckets);
-  for (std::size_t lane = 0; i + lane < count; ++lane) one(i + lane, buckets[lane]);
+  for (; i < count; ++i) {
+    // The same roundings as in vectors.
+    const float bucket = (map.highest - keys[i]) * map.scale;
+    one(i, static_cast<std::int32_t>(std::min(std::max(bucket, 0.0f), map.last)));
+  }
 }
 
 HWY_INLINE void count_tile(const float* keys, std::size_t count, const BucketMap& map, std::int32_t* buckets,
@@ -288,14 +299,17 @@ std::size_t Collect(const KeySource& source, std::size_t begin, std::size_t end,
   std::size_t total = 0;
   for_tiles(begin, end, [&](std::size_t first, std::size_t count) HWY_ATTR {
     const std::size_t kept = entries_of_tile(source, first, count, tile);
-    if (kept == tile_facets) {
-      for (std::size_t i = 0; i < tile_facets; i += hn::Lanes(d)) {
+    if (count == tile_facets) {
+      // In whole vectors: what lies behind those kept is still to be written, or to be left over.
+      for (std::size_t i = 0; i < kept; i += hn::Lanes(d)) {
         hn::StoreU(hn::Load(FloatTag(), tile.keys + i), FloatTag(), to.keys + total + i);
         hn::StoreU(hn::Load(d, tile.ids + i), d, to.ids + total + i);
       }
     } else {
-      std::memcpy(to.keys + total, tile.keys, kept * sizeof(float));
-      std::memcpy(to.ids + total, tile.ids, kept * sizeof(std::uint32_t));
+      for (std::size_t i = 0; i < kept; ++i) {
+        to.keys[total + i] = tile.keys[i];
+        to.ids[total + i] = tile.ids[i];
+      }
     }
     total += kept;
   });
