@@ -482,8 +482,9 @@ HWY_INLINE void insert_and_write(std::int64_t* sorted, std::size_t count, const 
   for (std::size_t begin = 1; begin < count; begin += too_many_in_bin) {
     const std::size_t end = std::min(count, begin + too_many_in_bin);
     for (std::size_t i = begin; i < end; ++i) {
-      const std::int64_t entry = sorted[i], smaller = std::min(carried, entry);
-      carried = std::max(carried, entry);
+      // Values, not std::min's references, which compilers make branches of.
+      const std::int64_t entry = sorted[i], smaller = entry < carried ? entry : carried;
+      carried = entry < carried ? carried : entry;
       sorted[i - 1] = smaller;
       if (HWY_LIKELY(smaller >= largest)) {
         largest = smaller;
