@@ -4,8 +4,13 @@
 
 namespace facetsort::bench {
 
-// sort/METHOD/MESH: facet ids. sort_indices/METHOD/MESH: the reordered index buffer.
+// sort/METHOD/MESH: facet ids. sort_indices/METHOD/MESH: the reordered index buffer. sort_indices_culled/METHOD/MESH:
+// without facets seen from behind. set_positions/METHOD/MESH: new positions for all vertices.
 void register_sort_benchmarks();
+// floor/MESH: what memory alone costs.
+void register_floor_benchmarks();
+// peer_*/MESH: sorts that anyone can write or link, keys and index buffer included.
+void register_peer_benchmarks();
 // exact/MESH: the exact order, cuts included.
 void register_exact_benchmarks();
 // vtk_depth_sort/MESH: VTK's own, where the build found VTK.

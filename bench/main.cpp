@@ -35,6 +35,8 @@ int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   facetsort::bench::register_sort_benchmarks();
+  facetsort::bench::register_floor_benchmarks();
+  facetsort::bench::register_peer_benchmarks();
   facetsort::bench::register_exact_benchmarks();
 #ifdef FACETSORT_BENCH_VTK
   facetsort::bench::register_vtk_benchmarks();

@@ -1,6 +1,8 @@
 #include <benchmark/benchmark.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
@@ -9,51 +11,23 @@
 #include <vector>
 
 #include "benchmarks.h"
-#include "facetsort/blend/view.h"
 #include "facetsort/order/method.h"
 #include "facetsort/order/sorter.h"
-#include "subjects.h"
+#include "sort_subjects.h"
 
 namespace facetsort::bench {
 namespace {
 
-SortView sort_view(const View& view) {
-  return {view.homogeneous_eye(), view.forward()};
-}
-
-// A permutation of all facets, farther keys first, equal keys by smaller id.
-bool is_back_to_front(std::span<const std::uint32_t> order, std::span<const float> keys) {
-  if (order.size() != keys.size()) return false;
-  std::vector<unsigned char> seen(order.size());
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    if (order[i] >= order.size() || seen[order[i]]++) return false;
-    if (i == 0) continue;
-    const std::uint32_t before = order[i - 1], here = order[i];
-    if (!(keys[before] > keys[here] || (keys[before] == keys[here] && before < here))) return false;
-  }
-  return true;
-}
-
-bool has_corners_in_order(std::span<const std::uint32_t> indices, std::span<const glm::uvec3> triangles,
-                          std::span<const std::uint32_t> order) {
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    for (int corner = 0; corner < 3; ++corner) {
-      if (indices[3 * i + corner] != triangles[order[i]][corner]) return false;
-    }
-  }
-  return true;
-}
-
 void sort_frames(benchmark::State& state, const Subject& subject, Method method, int threads) {
   const Mesh& mesh = subject.mesh();
-  const std::vector<View> frames = frames_around(mesh, 1);
+  const std::vector<SortView> views = sort_views(mesh);
   tbb::task_arena arena(threads);
   arena.execute([&] {
     Sorter sorter(mesh.view(), method);
-    std::span<const std::uint32_t> order = sorter.sort(sort_view(frames.back()));
+    std::span<const std::uint32_t> order = sorter.sort(views.back());
     std::size_t frame = 0;
     for (auto _ : state) {
-      order = sorter.sort(sort_view(frames[frame++ % frames.size()]));
+      order = sorter.sort(views[frame++ % views.size()]);
       benchmark::DoNotOptimize(order.data());
     }
     if (!is_back_to_front(order, sorter.keys())) state.SkipWithError("not back to front");
@@ -61,24 +35,46 @@ void sort_frames(benchmark::State& state, const Subject& subject, Method method,
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(mesh.triangles.size()));
 }
 
-void sort_index_buffers(benchmark::State& state, const Subject& subject, Method method, int threads) {
+// Of the facets in `order`, those that are also in `whole`, in that order; all of `order`?
+bool is_subsequence(std::span<const std::uint32_t> order, std::span<const std::uint32_t> whole) {
+  std::size_t k = 0;
+  for (const std::uint32_t id : whole) k += k < order.size() && order[k] == id;
+  return k == order.size();
+}
+
+void sort_index_buffers(benchmark::State& state, const Subject& subject, const SorterOptions& options, int threads) {
   const Mesh& mesh = subject.mesh();
-  const std::vector<View> frames = frames_around(mesh, 1);
+  const std::vector<SortView> views = sort_views(mesh);
   std::vector<std::uint32_t> indices(3 * mesh.triangles.size());
   tbb::task_arena arena(threads);
   arena.execute([&] {
-    Sorter sorter(mesh.view(), method);
-    sorter.sort_indices(sort_view(frames.back()), mesh.triangles, indices);
-    std::size_t frame = 0;
+    Sorter sorter(mesh.view(), options);
+    sorter.sort_indices(views.back(), mesh.triangles, indices);
+    std::size_t frame = 0, drawn = 0;
     for (auto _ : state) {
-      sorter.sort_indices(sort_view(frames[frame++ % frames.size()]), mesh.triangles, indices);
+      drawn = sorter.sort_indices(views[frame++ % views.size()], mesh.triangles, indices);
       benchmark::ClobberMemory();
     }
-    const std::size_t last = frame == 0 ? frames.size() - 1 : (frame - 1) % frames.size();
-    const std::span<const std::uint32_t> order = sorter.sort(sort_view(frames[last]));
-    if (!is_back_to_front(order, sorter.keys()) || !has_corners_in_order(indices, mesh.triangles, order)) {
+    const SortView& last = views[frame == 0 ? views.size() - 1 : (frame - 1) % views.size()];
+    Sorter whole(mesh.view(), options.method);
+    const std::span<const std::uint32_t> all = whole.sort(last), order = sorter.sort(last);
+    if (!is_back_to_front(all, whole.keys()) || !is_subsequence(order, all) || order.size() != drawn ||
+        (!options.cull_back_faces && drawn != all.size()) || !has_corners_in_order(indices, mesh.triangles, order)) {
       state.SkipWithError("not back to front");
     }
+  });
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(mesh.triangles.size()));
+}
+
+void move_positions(benchmark::State& state, const Subject& subject, int threads) {
+  const Mesh& mesh = subject.mesh();
+  const SortView view = sort_views(mesh).front();
+  tbb::task_arena arena(threads);
+  arena.execute([&] {
+    Sorter sorter(mesh.view()), fresh(mesh.view());
+    for (auto _ : state) sorter.set_positions(mesh.triangles, StridedPositions(mesh.positions));
+    const std::span<const std::uint32_t> order = sorter.sort(view), expected = fresh.sort(view);
+    if (!std::equal(order.begin(), order.end(), expected.begin(), expected.end())) state.SkipWithError("another order");
   });
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(mesh.triangles.size()));
 }
@@ -86,18 +82,27 @@ void sort_index_buffers(benchmark::State& state, const Subject& subject, Method 
 }  // namespace
 
 void register_sort_benchmarks() {
-  const auto add = [](const std::string& name, auto run, const Subject& subject, Method method) {
+  const auto add = [](const std::string& name, const Subject& subject, const auto& run) {
     for (const int threads : thread_counts()) {
-      const std::string full =
-          name + "/" + std::string(method_name(method)) + "/" + subject.name() + "/threads:" + std::to_string(threads);
-      benchmark::RegisterBenchmark(full.c_str(), run, subject, method, threads)
+      const std::string full = name + "/" + subject.name() + "/threads:" + std::to_string(threads);
+      benchmark::RegisterBenchmark(full.c_str(), [=](benchmark::State& state) { run(state, subject, threads); })
           ->UseRealTime()
           ->Unit(benchmark::kMillisecond);
     }
   };
-  for (const Subject& knot : knots(1000, 1000000)) {
-    for (const Method method : depth_key_methods()) add("sort", sort_frames, knot, method);
-    add("sort_indices", sort_index_buffers, knot, Method::centroid_distance);
+  for (const Subject& subject : sort_subjects()) {
+    add("sort_indices/centroid_distance", subject,
+        [](benchmark::State& state, const Subject& of, int threads) { sort_index_buffers(state, of, {}, threads); });
+  }
+  for (const Subject& subject : spatial_subjects()) {
+    for (const Method method : depth_key_methods()) {
+      add("sort/" + std::string(method_name(method)), subject,
+          [=](benchmark::State& state, const Subject& of, int threads) { sort_frames(state, of, method, threads); });
+    }
+    add("sort_indices_culled/centroid_distance", subject, [](benchmark::State& state, const Subject& of, int threads) {
+      sort_index_buffers(state, of, {.cull_back_faces = true}, threads);
+    });
+    add("set_positions/centroid_distance", subject, move_positions);
   }
 }
 

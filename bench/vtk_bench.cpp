@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "benchmarks.h"
-#include "subjects.h"
+#include "sort_subjects.h"
 
 namespace facetsort::bench {
 namespace {
@@ -56,7 +56,9 @@ void sort_frames(benchmark::State& state, const Subject& subject) {
 
 void register_vtk_benchmarks() {
   std::vector<Subject> subjects = shipped_meshes();
-  for (const Subject& knot : knots(10000, 1000000)) subjects.push_back(knot);
+  for (const Subject& subject : spatial_subjects()) {
+    if (subject.name().starts_with("knot_")) subjects.push_back(subject);
+  }
   for (const Subject& subject : subjects) {
     benchmark::RegisterBenchmark(("vtk_depth_sort/" + subject.name()).c_str(), sort_frames, subject)
         ->UseRealTime()

@@ -16,6 +16,7 @@
 #include "facetsort/order/method.h"
 #include "facetsort/order/key_sort.h"
 #include "facetsort/order/sorter.h"
+#include "facetsort/order/spatial_order.h"
 
 #include "facetsort/exact/predicates.h"
 #include "facetsort/exact/facts.h"

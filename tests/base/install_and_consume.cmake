@@ -19,7 +19,7 @@ if(WHOLE_BUILD)
 else()
   set(whole OFF)
   set(build ${WORK}/order)
-  foreach(package embree OpenMesh OpenImageIO Boost hwy nlohmann_json CLI11 GTest benchmark)
+  foreach(package embree OpenMesh OpenImageIO Boost nlohmann_json CLI11 GTest benchmark)
     list(APPEND hidden -DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
   endforeach()
   run(${configure} --no-warn-unused-cli ${hidden} -S ${SOURCE} -B ${build} -DFACETSORT_COMPONENTS=order

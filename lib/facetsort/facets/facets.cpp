@@ -1,5 +1,7 @@
 #include "facetsort/facets/facets.h"
 
+#include <tbb/parallel_reduce.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -10,42 +12,91 @@ namespace {
 
 constexpr std::size_t facets_per_task = 16384;
 
-template <typename PointOfFacet>
-PointArrays points_of_facets(const MeshView& mesh, const PointOfFacet& point) {
-  PointArrays points;
-  points.x.resize(mesh.facet_count());
-  points.y.resize(mesh.facet_count());
-  points.z.resize(mesh.facet_count());
-  parallel_ranges(mesh.facet_count(), facets_per_task, [&](std::size_t begin, std::size_t end) {
+// Not a lambda a point: one loop, in which the compiler sees the kind of point as a constant.
+template <FacetPoint kind>
+glm::dvec3 point_of(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+  switch (kind) {
+    case FacetPoint::centroid:
+      return (a + b + c) / 3.0;
+    case FacetPoint::bounds_centre:
+      return (glm::min(glm::min(a, b), c) + glm::max(glm::max(a, b), c)) / 2.0;
+    case FacetPoint::corner_0:
+      return a;
+    case FacetPoint::corner_1:
+      return b;
+    case FacetPoint::corner_2:
+      return c;
+  }
+  return a;
+}
+
+template <FacetPoint kind>
+void compute_points(std::span<const glm::uvec3> triangles, const StridedPositions& positions, const FacetFrame& frame,
+                    PointArrays& points) {
+  parallel_ranges(triangles.size(), facets_per_task, [&](std::size_t begin, std::size_t end) {
     for (std::size_t facet = begin; facet < end; ++facet) {
-      const glm::vec3 p(point(facet));
+      const glm::uvec3& t = triangles[facet];
+      const glm::dvec3 point =
+          point_of<kind>(glm::dvec3(positions[t.x]), glm::dvec3(positions[t.y]), glm::dvec3(positions[t.z]));
+      const glm::vec3 p((point - frame.origin) * frame.scale);
       points.x[facet] = p.x;
       points.y[facet] = p.y;
       points.z[facet] = p.z;
     }
   });
+}
+
+PointArrays points_of(const MeshView& mesh, FacetPoint point, const FacetFrame& frame) {
+  PointArrays points;
+  compute_facet_points(mesh.triangles, mesh.positions, point, frame, points);
   return points;
+}
+
+Box box_of(std::span<const glm::uvec3> triangles, const StridedPositions& positions) {
+  const glm::vec3 first = positions[triangles[0].x];
+  Box box{first, first};
+  for (const glm::uvec3& triangle : triangles) {
+    for (int i = 0; i < 3; ++i) {
+      const glm::vec3 position = positions[triangle[i]];
+      box.lowest = glm::min(box.lowest, position);
+      box.highest = glm::max(box.highest, position);
+    }
+  }
+  return box;
 }
 
 }  // namespace
 
+void compute_facet_points(std::span<const glm::uvec3> triangles, const StridedPositions& positions, FacetPoint point,
+                          const FacetFrame& frame, PointArrays& points) {
+  points.x.resize(triangles.size());
+  points.y.resize(triangles.size());
+  points.z.resize(triangles.size());
+  switch (point) {
+    case FacetPoint::centroid:
+      return compute_points<FacetPoint::centroid>(triangles, positions, frame, points);
+    case FacetPoint::bounds_centre:
+      return compute_points<FacetPoint::bounds_centre>(triangles, positions, frame, points);
+    case FacetPoint::corner_0:
+      return compute_points<FacetPoint::corner_0>(triangles, positions, frame, points);
+    case FacetPoint::corner_1:
+      return compute_points<FacetPoint::corner_1>(triangles, positions, frame, points);
+    case FacetPoint::corner_2:
+      return compute_points<FacetPoint::corner_2>(triangles, positions, frame, points);
+  }
+}
+
 PointArrays facet_centroids(const MeshView& mesh, const FacetFrame& frame) {
-  return points_of_facets(mesh, [&](std::size_t facet) {
-    const glm::dvec3 a(mesh.corner(facet, 0)), b(mesh.corner(facet, 1)), c(mesh.corner(facet, 2));
-    return ((a + b + c) / 3.0 - frame.origin) * frame.scale;
-  });
+  return points_of(mesh, FacetPoint::centroid, frame);
 }
 
 PointArrays facet_bounds_centres(const MeshView& mesh, const FacetFrame& frame) {
-  return points_of_facets(mesh, [&](std::size_t facet) {
-    const glm::dvec3 a(mesh.corner(facet, 0)), b(mesh.corner(facet, 1)), c(mesh.corner(facet, 2));
-    return ((glm::min(glm::min(a, b), c) + glm::max(glm::max(a, b), c)) / 2.0 - frame.origin) * frame.scale;
-  });
+  return points_of(mesh, FacetPoint::bounds_centre, frame);
 }
 
 PointArrays facet_corners(const MeshView& mesh, int i, const FacetFrame& frame) {
-  return points_of_facets(
-      mesh, [&](std::size_t facet) { return (glm::dvec3(mesh.corner(facet, i)) - frame.origin) * frame.scale; });
+  constexpr FacetPoint corners[3] = {FacetPoint::corner_0, FacetPoint::corner_1, FacetPoint::corner_2};
+  return points_of(mesh, corners[i], frame);
 }
 
 FacetFrame facet_frame(const Box& box) {
@@ -64,23 +115,31 @@ Plane facet_plane(const MeshView& mesh, std::uint32_t facet) {
   return {normal, glm::dot(normal, a)};
 }
 
-glm::vec3 Box::centre() const { return glm::vec3((glm::dvec3(lowest) + glm::dvec3(highest)) / 2.0); }
+glm::vec3 Box::centre() const {
+  return glm::vec3((glm::dvec3(lowest) + glm::dvec3(highest)) / 2.0);
+}
 
 float Box::radius() const {
   return static_cast<float>(glm::length(glm::dvec3(highest) - glm::dvec3(lowest)) / 2.0);
 }
 
+Box facet_bounds(std::span<const glm::uvec3> triangles, const StridedPositions& positions) {
+  if (triangles.empty()) return {};
+  const auto box_of_range = [&](const tbb::blocked_range<std::size_t>& range, const Box& box) {
+    const Box here = box_of(triangles.subspan(range.begin(), range.size()), positions);
+    return Box{glm::min(box.lowest, here.lowest), glm::max(box.highest, here.highest)};
+  };
+  const auto both = [](const Box& a, const Box& b) {
+    return Box{glm::min(a.lowest, b.lowest), glm::max(a.highest, b.highest)};
+  };
+  const Box first{positions[triangles[0].x], positions[triangles[0].x]};
+  const tbb::blocked_range<std::size_t> all(0, triangles.size(), facets_per_task);
+  return triangles.size() <= facets_per_task ? box_of_range(all, first)
+                                             : tbb::parallel_reduce(all, first, box_of_range, both);
+}
+
 Box facet_bounds(const MeshView& mesh) {
-  if (mesh.triangles.empty()) return {};
-  const glm::vec3 first = mesh.corner(0, 0);
-  Box box{first, first};
-  for (const glm::uvec3& triangle : mesh.triangles) {
-    for (int i = 0; i < 3; ++i) {
-      box.lowest = glm::min(box.lowest, mesh.positions[triangle[i]]);
-      box.highest = glm::max(box.highest, mesh.positions[triangle[i]]);
-    }
-  }
-  return box;
+  return facet_bounds(mesh.triangles, mesh.positions);
 }
 
 }  // namespace facetsort

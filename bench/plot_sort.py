@@ -1,0 +1,76 @@
+#!/usr/bin/env python3
+"""bench/plot_sort.py RESULTS.json OUT: a table OUT.md and a plot OUT.png (by gnuplot) of facets a second.
+
+RESULTS.json is --benchmark_out of facetsort-bench; medians are taken where there are repetitions."""
+import json
+import re
+import subprocess
+import sys
+
+CONTENDERS = [
+    ("floor, 2 threads", r"floor/(?P<mesh>\w+)/threads:2"),
+    ("facetsort, 2 threads", r"sort_indices/centroid_distance/(?P<mesh>\w+)/threads:2"),
+    ("floor, 1 thread", r"floor/(?P<mesh>\w+)/threads:1"),
+    ("facetsort, 1 thread", r"sort_indices/centroid_distance/(?P<mesh>\w+)/threads:1"),
+    ("facetsort culled, 1 thread", r"sort_indices_culled/centroid_distance/(?P<mesh>\w+)/threads:1"),
+    ("radix sort of 30 lines", r"peer_radix_sort/(?P<mesh>\w+)"),
+    ("VQSort of pairs", r"peer_vqsort/(?P<mesh>\w+)"),
+    ("std::sort of pairs", r"peer_std_sort/(?P<mesh>\w+)"),
+    ("vtkDepthSortPolyData", r"vtk_depth_sort/(?P<mesh>\w+)"),
+]
+
+
+def read(path):
+    """Facets a second by contender and mesh, and the run's context."""
+    with open(path) as file:
+        results = json.load(file)
+    speeds = {name: {} for name, _ in CONTENDERS}
+    for run in results["benchmarks"]:
+        if run.get("error_occurred"):
+            sys.exit(f"{run['name']}: {run['error_message']}")
+        if run.get("aggregate_name", "median") != "median":
+            continue
+        if run["run_type"] == "iteration" and run.get("repetitions", 1) > 1:
+            continue
+        for name, pattern in CONTENDERS:
+            match = re.fullmatch(pattern + "/real_time", run["run_name"])
+            if match:
+                speeds[name][match["mesh"]] = run["items_per_second"]
+    return speeds, results["context"]
+
+
+def table(speeds, context):
+    meshes = sorted({mesh for of in speeds.values() for mesh in of},
+                    key=lambda mesh: (re.sub(r"\d", "", mesh), int(re.search(r"\d+", mesh)[0])))
+    lines = [f"Millions of facets a second, medians, {context['date'][:10]}; {context['num_cpus']} processors.", "",
+             "| | " + " | ".join(name for name, _ in CONTENDERS) + " |", "|---" * (len(CONTENDERS) + 1) + "|"]
+    for mesh in meshes:
+        cells = [f"{speeds[name][mesh] / 1e6:.3g}" if mesh in speeds[name] else "" for name, _ in CONTENDERS]
+        lines.append(f"| {mesh} | " + " | ".join(cells) + " |")
+    return "\n".join(lines) + "\n"
+
+
+def plot(speeds, out):
+    script = [f"set terminal pngcairo size 1100,700; set output '{out}'", "set logscale xy; set key outside; set grid",
+              "set xlabel 'facets (knots in spatial order)'; set ylabel 'million facets a second'"]
+    names = []
+    for index, (name, of) in enumerate(speeds.items()):
+        points = sorted((int(mesh[5:]), speed) for mesh, speed in of.items() if re.fullmatch(r"knot_\d+", mesh))
+        if points:
+            script += [f"$data{index} << end"] + [f"{facets} {speed / 1e6}" for facets, speed in points] + ["end"]
+            names.append(f"$data{index} with linespoints title '{name}'")
+    script.append("plot " + ", ".join(names))
+    subprocess.run(["gnuplot"], input="\n".join(script), text=True, check=True)
+
+
+def main():
+    if len(sys.argv) != 3:
+        sys.exit(__doc__)
+    speeds, context = read(sys.argv[1])
+    with open(sys.argv[2] + ".md", "w") as file:
+        file.write(table(speeds, context))
+    plot(speeds, sys.argv[2] + ".png")
+
+
+if __name__ == "__main__":
+    main()

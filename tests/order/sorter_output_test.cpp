@@ -1,0 +1,423 @@
+// What a renderer asks of a Sorter: index buffers, ranges, culling, new positions; and that the order is one and the
+// same for every instruction set and thread count.
+#include <gtest/gtest.h>
+#include <hwy/targets.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/gtc/matrix_transform.hpp>
+#include <numeric>
+#include <random>
+
+#include "facetsort/order/sorter.h"
+#include "facetsort/order/spatial_order.h"
+#include "facetsort/report/allocations.h"
+#include "shapes.h"
+#include "support/mesh_files.h"
+#include "support/threads.h"
+
+namespace facetsort {
+namespace {
+
+using Ids = std::vector<std::uint32_t>;
+
+SortView view_from(const Mesh& mesh, const glm::vec3& direction, float radii) {
+  const Box box = facet_bounds(mesh.view());
+  return {glm::vec4(box.centre() + radii * box.radius() * direction, 1), -direction};
+}
+
+std::vector<SortView> views_of(const Mesh& mesh) {
+  return {view_from(mesh, glm::vec3(0.36f, 0.48f, 0.8f), 2.5f),
+          view_from(mesh, glm::vec3(-0.8f, 0.36f, 0.48f), 0.3f),
+          view_from(mesh, glm::vec3(0.48f, -0.8f, 0.36f), 50),
+          {glm::vec4(0.6f, 0, 0.8f, 0), glm::vec3(-0.6f, 0, -0.8f)}};
+}
+
+// A comparison sort of the Sorter's own keys: what every way through it must give.
+Ids expected_order(Sorter& sorter, Ids ids, Direction direction = Direction::back_to_front) {
+  const std::span<const float> keys = sorter.keys();
+  std::sort(ids.begin(), ids.end(), [&](std::uint32_t a, std::uint32_t b) {
+    if (keys[a] != keys[b]) return direction == Direction::back_to_front ? keys[a] > keys[b] : keys[a] < keys[b];
+    return a < b;
+  });
+  return ids;
+}
+
+Ids all_ids(const Mesh& mesh) {
+  Ids ids(mesh.triangles.size());
+  std::iota(ids.begin(), ids.end(), 0u);
+  return ids;
+}
+
+Ids copy(std::span<const std::uint32_t> ids) {
+  return {ids.begin(), ids.end()};
+}
+
+// Facets in places drawn from `places`, one key each along the z axis.
+template <typename Place>
+Mesh facets_at(std::size_t count, const Place& place) {
+  Mesh mesh;
+  for (std::size_t facet = 0; facet < count; ++facet) {
+    const float z = place(facet);
+    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+    mesh.positions.insert(mesh.positions.end(), {{0, 0, z}, {1, 0, z}, {0, 1, z}});
+    mesh.triangles.push_back({first, first + 1, first + 2});
+  }
+  return mesh;
+}
+
+struct NamedMesh {
+  std::string name;
+  Mesh mesh;
+};
+
+// On either side of every threshold of the sort, evenly and unevenly spread in depth.
+const std::vector<NamedMesh>& uneven_meshes() {
+  static const std::vector<NamedMesh> list = [] {
+    std::mt19937 random(5);
+    std::uniform_real_distribution<float> even(-1, 1);
+    std::vector<NamedMesh> made;
+    for (const std::size_t count : {1, 2, 63, 64, 65, 200, 32768, 32769, 65535, 65536, 100000}) {
+      made.push_back({"even_" + std::to_string(count), facets_at(count, [&](std::size_t) { return even(random); })});
+    }
+    for (const std::size_t count : {3000, 100000}) {
+      const std::string size = std::to_string(count);
+      made.push_back({"flat_" + size, facets_at(count, [](std::size_t) { return 0.5f; })});
+      made.push_back({"two_depths_" + size, facets_at(count, [](std::size_t i) { return i % 3 == 0 ? 1.0f : -1.0f; })});
+      made.push_back(
+          {"outlier_" + size, facets_at(count, [&](std::size_t i) { return i == 7 ? 1e6f : even(random); })});
+      made.push_back({"steps_" + size, facets_at(count, [](std::size_t i) { return static_cast<float>(i % 50); })});
+      // Each a thousandth as far from 0 as the last thousand: every range has nearly all of them at its end.
+      made.push_back({"many_scales_" + size, facets_at(count, [&](std::size_t i) {
+                        return even(random) * std::pow(10.0f, -static_cast<float>(3 * (i % 12)));
+                      })});
+      made.push_back({"denormal_" + size, facets_at(count, [&](std::size_t i) {
+                        return i == 0 ? 1.0f : static_cast<float>(random() % 100) * 1e-44f;
+                      })});
+      made.push_back({"sorted_" + size, facets_at(count, [&](std::size_t i) { return static_cast<float>(i); })});
+      made.push_back({"reversed_" + size, facets_at(count, [&](std::size_t i) { return -static_cast<float>(i); })});
+    }
+    made.push_back({"knot_300000", shapes::torus_knot(300000)});
+    return made;
+  }();
+  return list;
+}
+
+TEST(SorterOutput, IsTheOrderOfAComparisonSortHoweverDepthsAreSpread) {
+  for (const auto& [name, mesh] : uneven_meshes()) {
+    SCOPED_TRACE(name);
+    for (const Direction direction : {Direction::back_to_front, Direction::front_to_back}) {
+      Sorter sorter(mesh.view(), {.method = Method::centroid_depth, .direction = direction});
+      for (const glm::vec3 axis : {glm::vec3(0, 0, 1), glm::vec3(0.1f, 0.2f, -0.9f)}) {
+        const Ids order = copy(sorter.sort({glm::vec4(axis, 0), -axis}));
+        ASSERT_EQ(order, expected_order(sorter, all_ids(mesh), direction));
+      }
+    }
+  }
+}
+
+std::uint64_t hash(std::uint64_t hash, std::span<const std::uint32_t> ids) {
+  for (const std::uint32_t id : ids) hash = (hash ^ id) * 0x100000001b3u;
+  return hash;
+}
+
+// Every method, and every way out, over meshes that take every way through.
+std::uint64_t hash_of_everything() {
+  std::uint64_t sum = 0;
+  for (const Mesh& mesh : {shapes::torus_knot(20000), shapes::torus_knot(200000), shapes::soup(70000, 3)}) {
+    Ids indices(3 * mesh.triangles.size());
+    for (const Method method : depth_key_methods()) {
+      Sorter sorter(mesh.view(), {.method = method, .cull_back_faces = method == Method::bounds_centre});
+      for (const SortView& view : views_of(mesh)) sum = hash(sum, sorter.sort(view));
+    }
+    Sorter culling(mesh.view(),
+                   {.direction = Direction::front_to_back, .cull_back_faces = true, .cull_by_clip_planes = true});
+    SortView view = views_of(mesh)[1];
+    const glm::vec3 eye(view.eye);
+    const std::array planes = clip_planes_of(glm::perspective(0.7f, 1.0f, 0.01f, 100.0f) *
+                                             glm::lookAt(eye, eye + view.forward, glm::vec3(0, 1, 0)));
+    view.clip_planes = planes;
+    const std::size_t count = culling.sort_indices(view, mesh.triangles, std::span(indices));
+    sum = hash(sum, std::span(indices).first(3 * count));
+  }
+  return sum;
+}
+
+TEST(SorterOutput, SameOrderForAnyInstructionSetAndThreadCount) {
+  const std::uint64_t expected = hash_of_everything();
+  int tried = 0;
+  for (auto remaining = hwy::SupportedTargets(); remaining != 0; remaining &= remaining - 1) {
+    hwy::SetSupportedTargetsForTest(remaining & ~(remaining - 1));
+    hwy::GetChosenTarget().DeInit();
+    EXPECT_EQ(hash_of_everything(), expected) << hwy::TargetName(remaining & ~(remaining - 1));
+    ++tried;
+  }
+  hwy::SetSupportedTargetsForTest(0);
+  hwy::GetChosenTarget().DeInit();
+  EXPECT_GE(tried, 2) << "the baseline and another";
+  for (const int threads : {1, 2, 3, 8}) {
+    with_threads(threads, [&] { EXPECT_EQ(hash_of_everything(), expected) << threads << " threads"; });
+  }
+}
+
+template <typename Index>
+void expect_index_buffer(const Mesh& mesh, std::span<const Index> indices, std::span<const std::uint32_t> order) {
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    for (int i = 0; i < 3; ++i) ASSERT_EQ(indices[3 * k + i], static_cast<Index>(mesh.triangles[order[k]][i]));
+  }
+}
+
+TEST(SorterOutput, WritesIndicesAndIdsAndNothingBehindThem) {
+  for (const Mesh& mesh : {shapes::torus_knot(20000), shapes::torus_knot(120000)}) {
+    Sorter sorter(mesh.view(), {.cull_back_faces = true});
+    const SortView view = views_of(mesh)[0];
+    const Ids order = copy(sorter.sort(view));
+    ASSERT_LT(order.size(), mesh.triangles.size());
+    const auto expect = [&]<typename Index>(Index untouched) {
+      std::vector<Index> indices(3 * mesh.triangles.size(), untouched);
+      Ids ids(mesh.triangles.size(), 0xabababab);
+      ASSERT_EQ(sorter.sort_indices(view, mesh.triangles, std::span(indices), ids), order.size());
+      expect_index_buffer<Index>(mesh, indices, order);
+      EXPECT_TRUE(std::equal(order.begin(), order.end(), ids.begin()));
+      EXPECT_TRUE(std::all_of(indices.begin() + static_cast<std::ptrdiff_t>(3 * order.size()), indices.end(),
+                              [&](Index index) { return index == untouched; }));
+      EXPECT_TRUE(std::all_of(ids.begin() + static_cast<std::ptrdiff_t>(order.size()), ids.end(),
+                              [](std::uint32_t id) { return id == 0xabababab; }));
+    };
+    expect(std::uint32_t{0xcdcdcdcd});
+    if (mesh.positions.size() < 65536) expect(std::uint16_t{0xcdcd});
+  }
+}
+
+TEST(SorterOutput, FrontToBackIsTheOtherWayRoundButForTies) {
+  const Mesh mesh = load("hand_2k");
+  Sorter back(mesh.view()), front(mesh.view(), {.direction = Direction::front_to_back});
+  for (const SortView& view : views_of(mesh)) {
+    const Ids far_first = copy(back.sort(view)), near_first = copy(front.sort(view));
+    EXPECT_EQ(near_first, expected_order(back, all_ids(mesh), Direction::front_to_back));
+    EXPECT_EQ(back.keys()[far_first.front()], front.keys()[near_first.back()]);
+  }
+}
+
+TEST(SorterOutput, RangesAreSortedByThemselvesWhereTheyLie) {
+  const Mesh mesh = shapes::torus_knot(150000);
+  std::vector<FacetRange> ranges;
+  const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
+  ranges.push_back({0, 70000});  // a large one, then gaps, meshlets, and an empty one
+  for (std::uint32_t first = 70003; first + 100 < count; first += 100) ranges.push_back({first, 97});
+  ranges.push_back({count, 0});
+  for (const bool culled : {false, true}) {
+    Sorter sorter(mesh.view(), {.cull_back_faces = culled});
+    const SortView view = views_of(mesh)[0];
+    const Ids order = copy(sorter.sort(view));
+    for (const int threads : {1, 3}) {
+      Ids indices(3 * mesh.triangles.size(), 7), ids(mesh.triangles.size(), 7), counts(ranges.size());
+      with_threads(threads, [&] { sorter.sort_ranges(view, mesh.triangles, ranges, indices, counts, ids); });
+      std::vector<bool> kept(count, false);
+      for (const std::uint32_t id : order) kept[id] = true;
+      sorter.sort(view);
+      for (std::size_t r = 0; r < ranges.size(); ++r) {
+        Ids expected;
+        for (std::uint32_t id = ranges[r].first; id < ranges[r].first + ranges[r].count; ++id) {
+          if (kept[id]) expected.push_back(id);
+        }
+        expected = expected_order(sorter, expected);
+        ASSERT_EQ(counts[r], expected.size());
+        ASSERT_TRUE(std::equal(expected.begin(), expected.end(), ids.begin() + ranges[r].first));
+        expect_index_buffer<std::uint32_t>(mesh, std::span(indices).subspan(3 * ranges[r].first), expected);
+      }
+      EXPECT_EQ(ids[70001], 7u) << "written between ranges";
+    }
+  }
+}
+
+// In double, from the corners: what a facet seen from the front is.
+bool faces(const Mesh& mesh, std::uint32_t facet, const glm::vec4& eye) {
+  const Plane plane = facet_plane(mesh.view(), facet);
+  return glm::dot(plane.normal, glm::dvec3(eye)) - eye.w * plane.offset > 0;
+}
+
+class CullingMethod : public testing::TestWithParam<Method> {};
+INSTANTIATE_TEST_SUITE_P(SorterOutput, CullingMethod,
+                         testing::ValuesIn(depth_key_methods().begin(), depth_key_methods().end()),
+                         [](const auto& method) { return std::string(method_name(method.param)); });
+
+TEST_P(CullingMethod, LeavesOutWhatIsSeenFromBehindAndNothingElse) {
+  for (const Mesh& mesh : {load("hand_2k"), shapes::torus_knot(80000), shapes::sliver_fan(64, 1e5f)}) {
+    Sorter whole(mesh.view(), GetParam()), culling(mesh.view(), {.method = GetParam(), .cull_back_faces = true});
+    for (const SortView& view : views_of(mesh)) {
+      const Ids order = copy(whole.sort(view)), culled = copy(culling.sort(view));
+      std::vector<bool> kept(order.size(), false);
+      for (const std::uint32_t id : culled) kept[id] = true;
+      Ids expected = order;
+      std::erase_if(expected, [&](std::uint32_t id) { return !kept[id]; });
+      EXPECT_EQ(culled, expected) << "the order of those that stay is the whole order's";
+      std::size_t behind = 0, stay = 0;
+      for (const std::uint32_t id : order) {
+        ASSERT_TRUE(kept[id] || !faces(mesh, id, view.eye)) << "facet " << id << " faces the eye";
+        behind += !faces(mesh, id, view.eye);
+        stay += kept[id] && !faces(mesh, id, view.eye);
+      }
+      EXPECT_LE(stay, behind / 100 + 2) << "of " << behind << " seen from behind";
+    }
+  }
+}
+
+TEST(SorterOutput, ClipPlanesLeaveOutOnlyWhatLiesOutside) {
+  const Mesh mesh = shapes::torus_knot(100000);
+  Sorter whole(mesh.view()), clipping(mesh.view(), {.cull_by_clip_planes = true});
+  for (SortView view : views_of(mesh)) {
+    if (view.eye.w == 0) continue;
+    const glm::vec3 eye(view.eye);
+    const std::array planes =
+        clip_planes_of(glm::perspective(0.5f, 1.3f, 0.01f, 1000.0f) *
+                       glm::lookAt(eye, eye + view.forward + glm::vec3(0.1f), glm::vec3(0, 1, 0)));
+    const Ids order = copy(whole.sort(view));
+    EXPECT_EQ(copy(clipping.sort(view)), order) << "no planes, nothing left out";
+    view.clip_planes = planes;
+    const Ids clipped = copy(clipping.sort(view));
+    std::vector<bool> kept(order.size(), false);
+    for (const std::uint32_t id : clipped) kept[id] = true;
+    std::size_t outside = 0, stay = 0;
+    for (const std::uint32_t id : order) {
+      const bool out = std::any_of(planes.begin(), planes.end(), [&](const glm::vec4& plane) {
+        double most = -1;
+        for (int i = 0; i < 3; ++i) {
+          most = std::max(most, glm::dot(glm::dvec4(plane), glm::dvec4(mesh.view().corner(id, i), 1)));
+        }
+        return most < 0;
+      });
+      ASSERT_TRUE(kept[id] || out) << "facet " << id << " reaches inside";
+      outside += out;
+      stay += out && kept[id];
+    }
+    EXPECT_LE(stay, outside / 20 + order.size() / 100) << "of " << outside << " outside";
+  }
+}
+
+TEST(SorterOutput, NewPositionsGiveWhatANewSorterGives) {
+  const Mesh mesh = shapes::torus_knot(90000);
+  Mesh bent = mesh;
+  for (glm::vec3& p : bent.positions) p = 3.0f * glm::vec3(p.x, p.y + 0.3f * p.x * p.x, p.z) + glm::vec3(5, 0, 0);
+  // As a skinned, interleaved vertex buffer.
+  struct Vertex {
+    float normal[3];
+    glm::vec3 position;
+    std::uint16_t odd;
+  };
+  std::vector<Vertex> vertices;
+  for (const glm::vec3& p : bent.positions) vertices.push_back({{0, 0, 0}, p, 0});
+  const StridedPositions positions(&vertices[0].position, vertices.size(), sizeof(Vertex));
+
+  const SorterOptions options{.cull_back_faces = true, .cull_by_clip_planes = true};
+  Sorter sorter(mesh.view(), options), fresh(bent.view(), options), strided(mesh.triangles, positions, options);
+  const SortView view = views_of(bent)[0];
+  sorter.sort(view);
+  ASSERT_TRUE(sorter.is_sorted_for(view));
+  with_threads(1, [&] {
+    sorter.set_positions(mesh.triangles, positions);
+    const AllocationScope scope;
+    sorter.set_positions(mesh.triangles, positions);
+    EXPECT_EQ(scope.count().calls, 0u);
+  });
+  EXPECT_FALSE(sorter.is_sorted_for(view));
+  const Ids order = copy(fresh.sort(view));
+  EXPECT_EQ(copy(sorter.sort(view)), order);
+  EXPECT_EQ(copy(strided.sort(view)), order);
+}
+
+TEST(SorterOutput, DoesNothingForTheSameViewAgain) {
+  const Mesh mesh = load("hand_2k");
+  Sorter sorter(mesh.view(), {.cull_by_clip_planes = true});
+  SortView view = views_of(mesh)[0];
+  EXPECT_FALSE(sorter.is_sorted_for(view));
+  const std::span<const std::uint32_t> order = sorter.sort(view);
+  // What a second sort would put right shows whether it ran.
+  const_cast<std::uint32_t&>(order[0]) ^= 1;
+  const std::uint32_t changed = order[0];
+  EXPECT_EQ(sorter.sort(view)[0], changed);
+
+  Ids indices(3 * mesh.triangles.size());
+  sorter.sort_indices(view, mesh.triangles, std::span(indices));
+  EXPECT_TRUE(sorter.is_sorted_for(view));
+  EXPECT_NE(sorter.sort(view)[0], changed) << "an index buffer leaves no ids behind";
+  const glm::vec4 plane(1, 0, 0, 0);
+  view.clip_planes = std::span(&plane, 1);
+  EXPECT_FALSE(sorter.is_sorted_for(view));
+  const std::size_t clipped = sorter.sort(view).size();
+  EXPECT_LT(clipped, mesh.triangles.size());
+  view.eye.x += 1;
+  EXPECT_FALSE(sorter.is_sorted_for(view));
+}
+
+TEST(SorterOutput, AllocatesNothingAfterTheFirstCallOfEach) {
+  const Mesh mesh = shapes::torus_knot(150000);
+  const std::vector<FacetRange> ranges{{0, 50000}, {50000, 1000}, {51000, 90000}};
+  Ids indices(3 * mesh.triangles.size()), ids(mesh.triangles.size()), counts(ranges.size());
+  with_threads(1, [&] {
+    Sorter sorter(mesh.view(), {.cull_back_faces = true});
+    const auto use = [&](const SortView& view) {
+      sorter.sort(view);
+      sorter.sort_indices(view, mesh.triangles, std::span(indices), ids);
+      sorter.sort_ranges(view, mesh.triangles, ranges, std::span(indices), counts, ids);
+    };
+    const std::vector<SortView> views = views_of(mesh);
+    use(views[0]);
+    const AllocationScope scope;
+    for (const SortView& view : views) use(view);
+    EXPECT_EQ(scope.count().calls, 0u);
+  });
+}
+
+TEST(SorterOutput, HoldsAtMost40BytesAFacet) {
+  for (const std::size_t facets : {20000, 33000, 65000, 70000, 300000}) {
+    const Mesh mesh = shapes::torus_knot(facets);
+    for (const int threads : {1, 8}) {
+      with_threads(threads, [&] {
+        Sorter sorter(mesh.view(), {.cull_back_faces = true, .cull_by_clip_planes = true});
+        Ids indices(3 * mesh.triangles.size());
+        sorter.sort_indices(views_of(mesh)[0], mesh.triangles, std::span(indices));
+        sorter.sort(views_of(mesh)[0]);
+        EXPECT_LE(sorter.memory_bytes(), 40 * mesh.triangles.size());
+      });
+    }
+  }
+}
+
+TEST(SorterOutput, AnEyeNearSmallFacetsCostsNoDigits) {
+  // Layers 1e-5 apart in a mesh a million times as large, an eye a hundredth before them and off the centre.
+  const int layers = 100;
+  Mesh mesh = facets_at(layers, [](std::size_t i) { return 1e-5f * static_cast<float>(i * 37 % layers); });
+  for (glm::vec3& p : mesh.positions) p = p * glm::vec3(1e-2f, 1e-2f, 1) - glm::vec3(0.003f, 0.003f, 0);
+  mesh.positions.insert(mesh.positions.end(), {{9, 9, 9}, {9, 10, 9}, {-10, -10, -9}});
+  const auto last = static_cast<std::uint32_t>(mesh.positions.size()) - 1;
+  mesh.triangles.push_back({last - 2, last - 1, last});
+  const Ids order = copy(Sorter(mesh.view()).sort({glm::vec4(0, 0, 0.01f, 1), glm::vec3(0, 0, -1)}));
+  for (std::size_t k = 2; k < order.size(); ++k) {
+    EXPECT_LT(mesh.view().corner(order[k - 1], 0).z, mesh.view().corner(order[k], 0).z);
+  }
+}
+
+TEST(SpatialOrder, IsAPermutationThatPutsNeighboursTogether) {
+  Mesh mesh = shapes::torus_knot(40000);
+  std::shuffle(mesh.triangles.begin(), mesh.triangles.end(), std::mt19937(1));
+  const Ids order = spatial_order(mesh.view());
+  Ids sorted = order;
+  std::sort(sorted.begin(), sorted.end());
+  ASSERT_EQ(sorted, all_ids(mesh));
+  with_threads(1, [&] { EXPECT_EQ(spatial_order(mesh.view()), order); });
+
+  const PointArrays centroids = facet_centroids(mesh.view(), facet_frame(facet_bounds(mesh.view())));
+  const auto length = [&](const Ids& path) {
+    double sum = 0;
+    for (std::size_t k = 1; k < path.size(); ++k) {
+      const auto at = [&](std::uint32_t id) { return glm::dvec3(centroids.x[id], centroids.y[id], centroids.z[id]); };
+      sum += glm::distance(at(path[k - 1]), at(path[k]));
+    }
+    return sum;
+  };
+  EXPECT_LT(length(order), length(all_ids(mesh)) / 20);
+}
+
+}  // namespace
+}  // namespace facetsort
