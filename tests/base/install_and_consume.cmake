@@ -19,6 +19,7 @@ if(WHOLE_BUILD)
 else()
   set(whole OFF)
   set(build ${WORK}/order)
+  file(REMOVE ${build}/CMakeCache.txt)  # packages hidden by an earlier version of this file would stay so
   foreach(package embree OpenMesh OpenImageIO Boost nlohmann_json CLI11 GTest benchmark)
     list(APPEND hidden -DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
   endforeach()
