@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <random>
 
 #include "facetsort/blend/fragment_lists.h"
@@ -43,8 +44,8 @@ class CutMesh {
     parts_[facet].push_back(add_piece(facet, cuts));
   }
 
-  std::uint32_t add_plane(const glm::uvec3& vertices) {
-    planes_.push_back(vertices);
+  std::uint32_t add_plane(const CutPlane& plane) {
+    planes_.push_back(plane);
     return static_cast<std::uint32_t>(facet_count() + planes_.size() - 1);
   }
 
@@ -78,15 +79,26 @@ class CutMesh {
   std::vector<std::vector<std::uint32_t>> parts_;
   std::vector<Piece> pieces_;
   std::vector<Cut> cuts_;
-  std::vector<glm::uvec3> planes_;
+  std::vector<CutPlane> planes_;
 };
 
 bool has_area(const Mesh& mesh, const glm::uvec3& vertices) {
   return !collinear(mesh.positions[vertices.x], mesh.positions[vertices.y], mesh.positions[vertices.z]);
 }
 
+// The plane through two vertices and where the edge from the third to `end` pierces the facet's plane, if it does.
+std::optional<CutPlane> join_within(const Mesh& mesh, std::uint32_t facet, const glm::uvec3& through,
+                                    std::uint32_t end) {
+  const auto side = [&](std::uint32_t vertex) {
+    const MeshView view = mesh.view();
+    return orientation(view.corner(facet, 0), view.corner(facet, 1), view.corner(facet, 2), mesh.positions[vertex]);
+  };
+  if (side(through.z) * side(end) >= 0) return std::nullopt;
+  return CutPlane{through.x, through.y, through.z, end, facet};
+}
+
 // Two facets in three are cut up to four times: by any facet's plane, by that of a facet with a common vertex, through
-// one of their own corners, along one of their own edges, or by their own plane.
+// one of their own corners, along one of their own edges, by a join, or by their own plane.
 CutMesh cut_at_random(Mesh mesh, std::mt19937& random) {
   CutMesh cut(std::move(mesh));
   const std::vector<glm::uvec3>& triangles = cut.mesh().triangles;
@@ -104,7 +116,8 @@ CutMesh cut_at_random(Mesh mesh, std::mt19937& random) {
       const auto any_vertex = [&] { return static_cast<std::uint32_t>(random() % vertices); };
       std::uint32_t plane = facet;
       glm::uvec3 through = triangles[facet];
-      switch (random() % 16) {
+      std::optional<CutPlane> join;
+      switch (random() % 20) {
         case 0:
           break;
         case 1: case 2: case 3: case 4:
@@ -119,19 +132,25 @@ CutMesh cut_at_random(Mesh mesh, std::mt19937& random) {
           through = {any_vertex(), own, other};
           plane = facets;
           break;
+        case 10: case 11: case 12: case 13:
+          through = {any_vertex(), any_vertex(), any_vertex()};
+          plane = facets;
+          join = join_within(cut.mesh(), facet, through, any_vertex());
+          break;
         default:
           plane = static_cast<std::uint32_t>(random() % facets);
           through = triangles[plane];
       }
       if (!has_area(cut.mesh(), through)) continue;
-      cut.cut(facet, random() % cut.parts(facet).size(), plane < facets ? plane : cut.add_plane(through));
+      const CutPlane added = join.value_or(CutPlane{through.x, through.y, through.z});
+      cut.cut(facet, random() % cut.parts(facet).size(), plane < facets ? plane : cut.add_plane(added));
     }
   }
   return cut;
 }
 
 // On which side of a plane the point lies that the facet shows at a pixel, by exact arithmetic alone.
-int exact_side(const Mesh& mesh, const View& view, std::uint32_t facet, const glm::uvec3& plane, int x, int y,
+int exact_side(const Mesh& mesh, const View& view, std::uint32_t facet, const CutPlane& plane, int x, int y,
                std::size_t& ties) {
   const Camera camera(view);
   const glm::dmat3 rows(camera.row_x, camera.row_y, camera.row_w);
@@ -140,7 +159,7 @@ int exact_side(const Mesh& mesh, const View& view, std::uint32_t facet, const gl
   };
   const auto corners = positions(mesh.triangles[facet]);
   const EdgeSigns signs =
-      exact_cut_signs(corners, positions(plane), view.eye, rows, camera.offset, x + 0.5, y + 0.5);
+      exact_cut_signs(corners, points_of(mesh.view(), plane), view.eye, rows, camera.offset, x + 0.5, y + 0.5);
   ties += signs.at_pixel == 0;
   const int side = signs.at_pixel != 0 ? signs.at_pixel : signs.x != 0 ? signs.x : signs.y;
   return side == 0 ? 1 : side * exact_facing(corners[0], corners[1], corners[2], view.eye, rows, camera.offset);
@@ -204,7 +223,7 @@ void expect_exact_pieces(const CutMesh& cut, const View& view, std::mt19937& ran
           bool covers = true;
           if (id >= cut.facet_count()) {
             for (const Cut& c : cut.pieces().cuts_of(cut.pieces().pieces[id - cut.facet_count()])) {
-              const glm::uvec3 plane = cut.pieces().plane_vertices(c, mesh.triangles);
+              const CutPlane plane = cut.pieces().plane_of(c, mesh.triangles);
               covers = covers && exact_side(mesh, view, facet, plane, x, y, ties) == c.side;
             }
           }
@@ -284,7 +303,7 @@ TEST(Pieces, ShareThePixelsThatACutPassesThrough) {
   std::uniform_int_distribution<int> coordinate(0, 12);
   Mesh mesh;
   for (int i = 0; i < 60; ++i) mesh.positions.emplace_back(coordinate(random), coordinate(random), coordinate(random));
-  for (std::uint32_t i = 0; i < 40; ++i) {
+  for (std::uint32_t i = 0; i < 100; ++i) {
     mesh.triangles.emplace_back(random() % 60, random() % 60, random() % 60);
   }
   const CutMesh cut = cut_at_random(mesh, random);

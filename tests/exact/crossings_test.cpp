@@ -3,10 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <map>
 #include <numeric>
 #include <random>
+#include <set>
+#include <utility>
 
 #include "facetsort/exact/positions.h"
+#include "facetsort/exact/predicates.h"
 #include "facetsort/mesh/mesh.h"
 #include "shapes.h"
 #include "support/threads.h"
@@ -14,11 +18,16 @@
 namespace facetsort::exact_internal {
 namespace {
 
-PartedFacets part(const MeshView& mesh, std::size_t most_triangles) {
+PointSpace space_of(const MeshView& mesh) {
   PointSpace space{mesh, identify_positions(mesh), std::vector<FacetId>(mesh.facet_count()),
                    std::vector<unsigned char>(mesh.facet_count()), {}, {}};
   std::iota(space.plane_of_facet.begin(), space.plane_of_facet.end(), FacetId{0});
   space.find_facets_around();
+  return space;
+}
+
+PartedFacets part(const MeshView& mesh, std::size_t most_triangles) {
+  const PointSpace space = space_of(mesh);
   Points points(space);
   return part_crossing_facets(points, find_degenerate_facets(mesh), most_triangles);
 }
@@ -78,6 +87,89 @@ TEST(Crossings, AreAllFoundBetweenTwoCornersOfMany) {
 // Some 10^10 pairs of boxes overlap; a search through all of them would take minutes.
 TEST(Crossings, AroundACornerOfVeryManyAreNotSoughtPairByPair) {
   EXPECT_EQ(part(shapes::sliver_fan(100'000, 20'000).view(), no_limit).crossing_pairs, 0u);
+}
+
+// A band of narrow facets in z = 0, along x, and curtains along x that zigzag through it, side by side: in most facets
+// each curtain has a kink, and hides the corners beyond it from the kinks of the others.
+Mesh band_and_curtains(int curtains, std::uint32_t seed) {
+  std::mt19937 random(seed);
+  const auto shift = [&] { return static_cast<float>(random() % 1001) / 1000.0f; };
+  Mesh mesh;
+  const auto add_strip = [&](int columns, const auto& first_row, const auto& second_row) {
+    const auto offset = static_cast<std::uint32_t>(mesh.positions.size());
+    for (int i = 0; i < columns; ++i) {
+      mesh.positions.push_back(first_row(i));
+      mesh.positions.push_back(second_row(i));
+    }
+    for (std::uint32_t i = offset; i + 3 < mesh.positions.size(); i += 2) {
+      mesh.triangles.push_back({i, i + 1, i + 2});
+      mesh.triangles.push_back({i + 2, i + 1, i + 3});
+    }
+  };
+  const auto height = static_cast<float>(2 * curtains);
+  const auto x = [](int i) { return static_cast<float>(i); };
+  add_strip(21, [&](int i) { return glm::vec3(x(i), 0, 0); }, [&](int i) { return glm::vec3(x(i), height, 0); });
+  for (int c = 0; c < curtains; ++c) {
+    const auto y = static_cast<float>(2 * c) + 0.5f;
+    add_strip(18, [&](int i) { return glm::vec3(1.37f * x(i) - 1.5f + 0.2f * shift(), y + shift(), 1 + shift()); },
+              [&](int i) { return glm::vec3(1.37f * x(i) - 1.5f + 0.2f * shift(), y + shift(), -1 - shift()); });
+  }
+  return mesh;
+}
+
+// Pairs of an edge and a facet that it pierces.
+std::size_t count_pierced(const Mesh& mesh) {
+  std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
+  for (const glm::uvec3& t : mesh.triangles) {
+    for (int i = 0; i < 3; ++i) edges.insert(std::minmax(t[i], t[(i + 1) % 3]));
+  }
+  std::size_t pierced = 0;
+  for (const auto& [p, q] : edges) {
+    for (const glm::uvec3& t : mesh.triangles) {
+      const auto side = [&](std::uint32_t a, std::uint32_t b, std::uint32_t c, std::uint32_t d) {
+        return orientation(mesh.positions[a], mesh.positions[b], mesh.positions[c], mesh.positions[d]);
+      };
+      if (side(t.x, t.y, t.z, p) * side(t.x, t.y, t.z, q) >= 0) continue;
+      const int first = side(p, q, t.x, t.y);
+      pierced += first != 0 && side(p, q, t.y, t.z) == first && side(p, q, t.z, t.x) == first;
+    }
+  }
+  return pierced;
+}
+
+TEST(Crossings, TakeNoPointsButWhereEdgesPierceFacets) {
+  for (const int curtains : {1, 2, 3, 5}) {
+    const Mesh mesh = band_and_curtains(curtains, static_cast<std::uint32_t>(curtains));
+    const PointSpace space = space_of(mesh.view());
+    Points points(space);
+    const PartedFacets parted = part_crossing_facets(points, find_degenerate_facets(mesh.view()), no_limit);
+    EXPECT_GT(parted.crossing_pairs, 20u);
+    EXPECT_EQ(count_new_corners(points, parted.pieces, mesh.positions.size()), count_pierced(mesh));
+    std::size_t joins = 0;
+    for (const CutPlane& plane : points.added_planes()) joins += plane.is_join();
+    EXPECT_TRUE(curtains == 1 || joins > 0);
+
+    std::map<FacetId, double> area;
+    const auto area_of = [&](PointId a, PointId b, PointId c) {
+      const glm::dvec3 origin = points.position(a);
+      return glm::length(glm::cross(points.position(b) - origin, points.position(c) - origin));
+    };
+    for (const Part& piece : parted.pieces.parts) {
+      const std::span<const PartCorner> corners = parted.pieces.corners_of(piece);
+      for (std::size_t i = 1; i + 1 < corners.size(); ++i) {
+        area[piece.facet] += area_of(corners[0].point, corners[i].point, corners[i + 1].point);
+      }
+      // Convex, and on the right side of all its cuts.
+      for (const Cut& cut : parted.pieces.cuts_of(piece)) {
+        for (const PartCorner& corner : corners) EXPECT_GE(points.side(cut.plane, corner.point) * cut.side, 0);
+      }
+    }
+    EXPECT_FALSE(area.empty());
+    for (const auto& [facet, sum] : area) {
+      const glm::uvec3& t = mesh.triangles[facet];
+      EXPECT_NEAR(sum, area_of(t.x, t.y, t.z), 1e-9);
+    }
+  }
 }
 
 TEST(Crossings, ThatALimitLeavesAreCounted) {

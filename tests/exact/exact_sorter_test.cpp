@@ -95,8 +95,11 @@ std::uint64_t hash_of(ExactSorter& sorter, const Mesh& mesh, const SortView& vie
     const Piece& piece = pieces.pieces[id - mesh.triangles.size()];
     hash.add(piece.facet);
     for (const Cut& cut : pieces.cuts_of(piece)) {
-      const glm::uvec3 plane = pieces.plane_vertices(cut, mesh.triangles);
-      for (const std::uint32_t part : {plane.x, plane.y, plane.z, static_cast<std::uint32_t>(cut.side)}) hash.add(part);
+      const CutPlane plane = pieces.plane_of(cut, mesh.triangles);
+      for (const std::uint32_t part : {plane.first, plane.second, plane.third, plane.edge_end, plane.facet,
+                                       static_cast<std::uint32_t>(cut.side)}) {
+        hash.add(part);
+      }
     }
   }
   for (const CutVertex& vertex : sorter.triangles().vertices) {

@@ -44,9 +44,15 @@ class Oracle {
  public:
   explicit Oracle(const Points& points) : points_(points) {}
 
-  ExactPlane plane(PlaneId id) const {
-    const glm::uvec3 v = points_.plane_vertices(id);
-    const Exact a = vertex(v.x), b = vertex(v.y), c = vertex(v.z);
+  ExactPlane plane(PlaneId id) const { return plane(points_.plane(id)); }
+  ExactPlane plane(const CutPlane& defining) const {
+    const Exact a = vertex(defining.first), b = vertex(defining.second);
+    Exact c = vertex(defining.third);
+    if (defining.is_join()) {
+      const Exact end = vertex(defining.edge_end);
+      const ExactPlane pierced = plane(defining.facet);
+      c = c + (pierced.at(c) / (pierced.at(c) - pierced.at(end))) * (end - c);
+    }
     return {a, rational::cross(b - a, c - a)};
   }
 
@@ -86,7 +92,25 @@ class Oracle {
   const Points& points_;
 };
 
-// Every point that cuts of the mesh's facets by each other's planes, and those again by a third, can make.
+// Adds planes through an edge and the point where another edge pierces a facet's plane.
+void add_joins(Points& points, int count) {
+  const MeshView& mesh = points.space().mesh;
+  const Oracle oracle(points);
+  std::mt19937 random(2);
+  const auto any_facet = [&] { return static_cast<FacetId>(random() % mesh.facet_count()); };
+  while (count > 0) {
+    const glm::uvec3 edge = mesh.triangles[any_facet()], other = mesh.triangles[any_facet()];
+    const FacetId facet = any_facet();
+    if (oracle.side(facet, other.x) * oracle.side(facet, other.y) >= 0) continue;
+    const CutPlane plane{edge.x, edge.y, other.x, other.y, facet};
+    if (rational::is_zero(oracle.plane(plane).normal)) continue;
+    points.add_plane(plane);
+    --count;
+  }
+}
+
+// Every point that cuts of the mesh's facets by each other's planes and those added, and those again by a third, can
+// make.
 std::vector<PointId> make_points(Points& points, std::size_t most) {
   const PointSpace& space = points.space();
   const auto facets = static_cast<FacetId>(space.mesh.facet_count());
@@ -94,7 +118,7 @@ std::vector<PointId> make_points(Points& points, std::size_t most) {
   std::vector<int> sides;
   for (FacetId f = 0; f < facets && made.size() < most; ++f) {
     std::vector<Polygon> parts{whole_facet(space, f)};
-    for (PlaneId plane = 0; plane < facets; ++plane) {
+    for (PlaneId plane = 0; plane < points.plane_count(); ++plane) {
       if (plane == f) continue;
       std::vector<Polygon> next;
       for (const Polygon& part : parts) {
@@ -161,6 +185,7 @@ TEST_P(PointSigns, AreThoseOfRationalArithmetic) {
   const Mesh mesh = with_area(GetParam().make());
   const PointSpace space = space_of(mesh);
   Points points(space);
+  add_joins(points, 4);
   std::vector<PointId> ids = make_points(points, 150);
   ASSERT_GT(ids.size(), 20u);
   for (const glm::uvec3& t : mesh.triangles) ids.push_back(space.position_of_vertex[t.y]);
@@ -176,7 +201,7 @@ TEST_P(PointSigns, AreThoseOfRationalArithmetic) {
     for (const Eye& eye : {Eye(position, 1), Eye(position, 0), Eye(position * 1000.0f, 1)}) {
       ASSERT_EQ(points.turn(a, b, c, eye), oracle.turn(a, b, c, eye));
     }
-    const auto plane = static_cast<PlaneId>(random() % mesh.triangles.size());
+    const auto plane = static_cast<PlaneId>(random() % points.plane_count());
     const int side = oracle.side(plane, a);
     ASSERT_EQ(points.side(plane, a), side);
     zeros += side == 0;
@@ -260,7 +285,7 @@ TEST(Points, OfABaseAreSharedAndTruncated) {
   EXPECT_EQ(above.rounded(again), above.rounded(made[0]));
   const PlaneId plane = above.add_plane({0, 4, 8});
   EXPECT_EQ(plane, mesh.triangles.size());
-  EXPECT_EQ(above.plane_vertices(plane), glm::uvec3(0, 4, 8));
+  EXPECT_EQ(above.plane(plane), (CutPlane{0, 4, 8}));
   EXPECT_EQ(above.side(plane, 4), 0);
   above.truncate(base.size());
   EXPECT_EQ(above.size(), base.size());

@@ -242,16 +242,35 @@ TEST(ProjectedPredicates, CutSignsAreThoseOfRationalArithmetic) {
   std::mt19937 random(6);
   std::uniform_int_distribution<int> pixel(-4, 4);
   std::map<int, int> seen, side_seen;
+  int joins = 0;
   for (int i = 0; i < 1500; ++i) {
     const Projection h = projections();
     HardPoints& point = i % 8 == 0 ? mixed : i % 8 == 1 ? near_plane : grid;
     const std::array<glm::vec3, 3> facet{point(), point(), point()};
     // Facets that share a corner or an edge with the plane's, too.
-    const std::array<glm::vec3, 3> plane{i % 3 == 0 ? facet[2] : point(), i % 6 == 0 ? facet[1] : point(), point()};
+    PlanePoints plane{{i % 3 == 0 ? facet[2] : point(), i % 6 == 0 ? facet[1] : point(), point()}};
     const double pixel_x = pixel(random) / 2.0, pixel_y = pixel(random) / 2.0;
 
-    const Point origin = exactly(plane[0]);
-    const Point normal = cross(exactly(plane[1]) - origin, exactly(plane[2]) - origin);
+    const Point origin = exactly(plane.points[0]);
+    Point third = exactly(plane.points[2]);
+    if (i % 2 == 0) {
+      plane.edge_end = point();
+      plane.facet = i % 4 == 0 ? facet : std::array<glm::vec3, 3>{point(), point(), point()};
+      const Point corner = exactly(plane.facet[0]), end = exactly(plane.edge_end);
+      const Point parting = cross(exactly(plane.facet[1]) - corner, exactly(plane.facet[2]) - corner);
+      const Number third_at = dot(parting, third - corner), end_at = dot(parting, end - corner);
+      plane.is_join = third_at * end_at < 0;
+      if (plane.is_join) third = third + (third_at / (third_at - end_at)) * (end - third);
+      joins += plane.is_join;
+    }
+    const Point normal = cross(exactly(plane.points[1]) - origin, third - origin);
+    for (const glm::vec3& corner : facet) {
+      const SignedVolume volume = signed_volume(plane, corner);
+      const int side = sign(dot(normal, exactly(corner) - origin));
+      if (std::abs(volume.value) > volume.error) {
+        ASSERT_EQ(sign(volume.value), side) << i;
+      }
+    }
     Point line(0, 0, 0), seen_point(0, 0, 0);
     Number weights = 0;
     const Point at(Number(pixel_x), Number(pixel_y), Number(1));
@@ -276,6 +295,7 @@ TEST(ProjectedPredicates, CutSignsAreThoseOfRationalArithmetic) {
     EXPECT_GT(seen[expected], 10) << expected;
     EXPECT_GT(side_seen[expected], 10) << expected;
   }
+  EXPECT_GT(joins, 100);
 }
 
 TEST(ProjectedPredicates, DecideAPixelCentreExactlyOnAnEdge) {

@@ -128,7 +128,7 @@ bool is_on_side(const ProjectedMesh& projected, std::uint32_t facet, int facing,
   if (std::abs(value) > error) return value > 0;
   const EdgeSigns signs =
       exact_cut_signs(positions_of(projected.mesh, projected.mesh.triangles[facet]),
-                      positions_of(projected.mesh, cut.plane), projected.view.eye, camera_rows(projected.camera),
+                      points_of(projected.mesh, cut.plane), projected.view.eye, camera_rows(projected.camera),
                       projected.camera.offset, x + 0.5, y + 0.5);
   const int side = -facing * shifted_sign(signs);
   // A facet that lies in the plane is on its positive side, so that one of the two sides has it.
@@ -200,12 +200,12 @@ FacetEdges facet_edges(const ProjectedMesh& projected, std::uint32_t facet, int 
   return edges;
 }
 
-FacetCut facet_cut(const MeshView& mesh, std::uint32_t facet, const glm::uvec3& plane, std::int32_t side) {
-  const auto [a, b, c] = positions_of(mesh, plane);
+FacetCut facet_cut(const MeshView& mesh, std::uint32_t facet, const CutPlane& plane, std::int32_t side) {
+  const PlanePoints points = points_of(mesh, plane);
   FacetCut made{{}, 0, plane, side};
   double largest = 0;
   for (int i = 0; i < 3; ++i) {
-    const SignedVolume volume = signed_volume(a, b, c, mesh.corner(facet, i));
+    const SignedVolume volume = signed_volume(points, mesh.corner(facet, i));
     made.volume[i] = side * volume.value;
     made.error = std::max(made.error, volume.error);
     largest = std::max(largest, std::abs(volume.value));
@@ -297,7 +297,7 @@ PixelBox PieceClipper::clip(const ProjectedMesh& projected, const Pieces& pieces
   polygon_ = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   for (const Cut& cut : pieces.cuts_of(piece)) {
     const FacetCut measured =
-        facet_cut(projected.mesh, piece.facet, pieces.plane_vertices(cut, projected.mesh.triangles), cut.side);
+        facet_cut(projected.mesh, piece.facet, pieces.plane_of(cut, projected.mesh.triangles), cut.side);
     const glm::dvec3 volume(measured.volume[0], measured.volume[1], measured.volume[2]);
     const double margin = std::max(clip_margin, 2 * measured.error);
     values_.clear();

@@ -69,11 +69,10 @@ FacetEdges facet_edges(const ProjectedMesh& projected, std::uint32_t facet, int 
 // Scaled by a power of two: the largest magnitude lies in [1/2, 1), unless all are 0. The same for every view.
 struct FacetCut {
   double volume[3], error;
-  glm::uvec3 plane;  // vertices
+  CutPlane plane;
   std::int32_t side;
 };
-// `plane`: the vertices of the cut's plane (see Pieces).
-FacetCut facet_cut(const MeshView& mesh, std::uint32_t facet, const glm::uvec3& plane, std::int32_t side);
+FacetCut facet_cut(const MeshView& mesh, std::uint32_t facet, const CutPlane& plane, std::int32_t side);
 
 // A cut's edge function in the coordinates of `edges`, positive on the piece's side, and the bound on its rounding
 // within `extent`, the one that `edges` was asked for.

@@ -36,7 +36,7 @@ class DrawnParts {
       const Piece& piece = pieces.pieces[order[rank] - facet_count];
       parts_[cursors[facet]++] = {rank, cuts_.size(), piece.cut_count};
       for (const Cut& cut : pieces.cuts_of(piece)) {
-        const glm::uvec3 plane = pieces.plane_vertices(cut, mesh.triangles);
+        const CutPlane plane = pieces.plane_of(cut, mesh.triangles);
         cuts_.push_back(blend_internal::facet_cut(mesh, facet, plane, cut.side));
       }
     }

@@ -14,6 +14,7 @@
 
 #include "facetsort/base/parallel.h"
 #include "facetsort/exact/facet_hierarchy.h"
+#include "facetsort/exact/predicates.h"
 
 namespace facetsort::exact_internal {
 namespace {
@@ -410,7 +411,14 @@ class FacetCutter {
  public:
   // Gives up, and leaves the facet in some of its pieces, where it takes more than `most_cuts`.
   FacetCutter(Points& points, FacetId facet, PartList& pieces, std::size_t most_cuts)
-      : points_(points), facet_(facet), pieces_(pieces), most_cuts_(most_cuts), ends_(points) {}
+      : points_(points), facet_(facet), pieces_(pieces), most_cuts_(most_cuts), ends_(points) {
+    const MeshView& mesh = points.space().mesh;
+    for (int axis = 0; turn_sign_ == 0; ++axis) {
+      along_normal_ = Eye(0);
+      along_normal_[axis] = 1;
+      turn_sign_ = normal_sign(mesh.corner(facet, 0), mesh.corner(facet, 1), mesh.corner(facet, 2), axis);
+    }
+  }
 
   std::size_t cuts() const { return cuts_; }
   bool gave_up() const { return cuts_ > most_cuts_; }
@@ -428,11 +436,27 @@ class FacetCutter {
   };
   using Segments = std::vector<CutSegment>;
 
-  // A cut from a kink to the polygon's boundary: to `hit` on the edge after corner `edge`, or that corner itself.
-  struct Ray {
-    PlaneId plane;
-    PointId hit;
+  // A face of the subdivision that the segments make of a polygon; not always convex.
+  using Loop = std::vector<PartCorner>;
+
+  // A cut between two corners of a face, the first a kink.
+  struct Join {
+    PointId kink, to;
+  };
+
+  // Where a point in the polygon lies on its boundary: on the edge after a corner, or at that corner, which may be the
+  // same point under another id.
+  struct Place {
     std::size_t edge;
+    PointId point;
+  };
+
+  // Segments end to end, from one place on the polygon's boundary to another.
+  struct Chain {
+    Place ends[2];
+    std::vector<std::size_t> segments;
+    std::vector<PlaneId> planes;  // of the segments
+    std::vector<PointId> kinks;   // between them
   };
 
   PointId point_of(const SegmentEnd& end) {
@@ -442,7 +466,7 @@ class FacetCutter {
   void cut(const Polygon& polygon, Segments segments) {
     while (!segments.empty()) {
       if (gave_up()) return;
-      if (segments.size() > 1 && cut_at_kink(polygon, segments)) return;
+      if (segments.size() > 1 && cut_along_chains(polygon, segments)) return;
       const std::size_t chosen = cheapest(segments);
       const PlaneId plane = segments[chosen].plane;
       Polygon front, back;
@@ -472,7 +496,14 @@ class FacetCutter {
     back.push_back({segment.plane, {first < 0 ? segment.ends[0] : segment.ends[1], meeting}});
   }
 
-  // The segment whose line parts the fewest of the others; of those, the one that parts them most evenly.
+  static bool is_shared(PointId end, const Segments& segments) {
+    return std::count_if(segments.begin(), segments.end(), [&](const CutSegment& segment) {
+             return segment.ends[0] == end || segment.ends[1] == end;
+           }) > 1;
+  }
+
+  // The segment a cut along which takes the fewest points but the segments' ends, where it parts others or runs on
+  // beyond a kink; of those, the one that parts them most evenly.
   std::size_t cheapest(const Segments& segments) const {
     constexpr std::size_t most_tried = 24;
     if (segments.size() == 1) return 0;
@@ -480,15 +511,16 @@ class FacetCutter {
     std::size_t best = 0;
     std::pair<std::size_t, std::size_t> best_cost{std::numeric_limits<std::size_t>::max(), 0};
     for (std::size_t i = 0; i < segments.size(); i += step) {
-      std::size_t parted = 0, front = 0, back = 0;
+      std::size_t points = 0, front = 0, back = 0;
+      for (const PointId end : segments[i].ends) points += is_shared(end, segments);
       for (const CutSegment& segment : segments) {
         const int first = points_.side(segments[i].plane, segment.ends[0]);
         const int second = points_.side(segments[i].plane, segment.ends[1]);
-        parted += first * second < 0;
+        points += first * second < 0;
         front += first + second > 0;
         back += first + second < 0;
       }
-      const std::pair<std::size_t, std::size_t> cost{parted, std::max(front, back)};
+      const std::pair<std::size_t, std::size_t> cost{points, std::max(front, back)};
       if (cost < best_cost) {
         best_cost = cost;
         best = i;
@@ -505,12 +537,7 @@ class FacetCutter {
     return definition.kind == PointDefinition::edge_and_plane && definition.a == p && definition.b == q;
   }
 
-  // Where a point in the polygon lies on its boundary: on the edge after a corner, or at that corner, which may be the
-  // same point under another id; nothing where it is inside.
-  struct Place {
-    std::size_t edge;
-    PointId point;
-  };
+  // Nothing where the point is inside.
   std::optional<Place> place_on_boundary(const Polygon& polygon, PointId point) const {
     const std::size_t count = polygon.corners.size();
     std::optional<Place> place;
@@ -524,115 +551,293 @@ class FacetCutter {
     return place;
   }
 
-  bool cut_at_kink(const Polygon& polygon, const Segments& segments) {
-    constexpr std::size_t most_segments = 24;
-    if (segments.size() > most_segments) return false;
-    for (const CutSegment& segment : segments) {
-      for (const PointId kink : segment.ends) {
-        if (points_.is_vertex(kink) || points_.definition(kink).kind != PointDefinition::edge_and_plane) continue;
-        if (cut_at(polygon, segments, kink)) return true;
-      }
-    }
-    return false;
-  }
-
-  bool cut_at(const Polygon& polygon, const Segments& segments, PointId kink) {
-    std::vector<Ray> rays;
-    int met = 0;
-    for (const CutSegment& segment : segments) {
-      if (segment.ends[0] != kink && segment.ends[1] != kink) continue;
-      ++met;
-      const PointId other = segment.ends[segment.ends[0] == kink];
-      const std::optional<Place> place = place_on_boundary(polygon, other);
-      if (place) rays.push_back({segment.plane, place->point, place->edge});
-    }
-    if (met != 2 || rays.empty() || place_on_boundary(polygon, kink)) return false;
-
-    // Corners of the facet that are still corners of the polygon.
-    const PointDefinition pierced_by = points_.definition(kink);
-    std::vector<std::size_t> corners;
+  // Cuts the polygon along chains of segments that run from boundary to boundary without meeting, and joins kinks to
+  // corners where what is left is not convex: this takes no points but the segments' ends. Returns false, and does
+  // nothing, where the segments are no such chains, or a kink can't be joined.
+  bool cut_along_chains(const Polygon& polygon, Segments segments) {
+    constexpr std::size_t most_segments = 32;
+    if (segments.size() > most_segments || !run_on_to_boundary(polygon, segments)) return false;
+    if (meet_elsewhere_than_at_ends(segments)) return false;
+    const std::optional<std::vector<Chain>> chains = find_chains(polygon, segments);
+    if (!chains) return false;
+    std::vector<Loop> faces(1);
     for (std::size_t i = 0; i < polygon.corners.size(); ++i) {
-      const PointId point = polygon.corners[i].point;
-      if (points_.is_vertex(point) && point != pierced_by.a && point != pierced_by.b) corners.push_back(i);
+      faces[0].push_back(polygon.corners[i]);
+      if (!insert_ends(polygon, i, *chains, segments, faces[0])) return false;
     }
-    const auto ray_to_corner = [&](std::size_t corner) {
-      const PointId point = polygon.corners[corner].point;
-      return Ray{points_.add_plane({pierced_by.a, pierced_by.b, point}), point, corner};
-    };
-    for (std::size_t i = 0; i < corners.size(); ++i) {
-      if (rays.size() == 2) {
-        if (cut_along({rays[0], rays[1], ray_to_corner(corners[i])}, polygon, segments, kink)) return true;
-        continue;
-      }
-      for (std::size_t j = i + 1; j < corners.size(); ++j) {
-        if (cut_along({rays[0], ray_to_corner(corners[i]), ray_to_corner(corners[j])}, polygon, segments, kink)) {
-          return true;
-        }
-      }
+    for (const Chain& chain : *chains) {
+      if (!split(chain.ends[0].point, chain.ends[1].point, chain.planes, chain.kinks, faces)) return false;
     }
-    return false;
-  }
-
-  // Cuts the polygon into the wedges between three rays, where all of them are convex and no other segment crosses a
-  // ray.
-  bool cut_along(std::array<Ray, 3> rays, const Polygon& polygon, const Segments& segments, PointId kink) {
-    const std::size_t count = polygon.corners.size();
-    std::sort(rays.begin(), rays.end(), [&](const Ray& a, const Ray& b) {
-      if (a.edge != b.edge) return a.edge < b.edge;
-      const PointId corner = polygon.corners[a.edge].point;
-      if (a.hit == corner || b.hit == corner) return a.hit == corner && b.hit != corner;
-      return points_.side(a.plane, corner) * points_.side(a.plane, b.hit) < 0;
-    });
-    std::array<int, 3> left{}, right{};  // sides of each ray's plane that the wedges after and before it are on
-    for (int k = 0; k < 3; ++k) {
-      left[k] = points_.side(rays[k].plane, polygon.corners[(rays[k].edge + 1) % count].point);
-      right[k] = -left[k];
-      if (left[k] == 0) return false;
+    loops_searched_ = 0;
+    std::vector<std::vector<Join>> joins;  // by face
+    for (const Loop& face : faces) {
+      std::vector<PointId> points;
+      for (const PartCorner& corner : face) points.push_back(corner.point);
+      std::optional<std::vector<Join>> found = fewest_joins(points, points.size());
+      if (!found) return false;
+      joins.push_back(std::move(*found));
     }
-    for (int k = 0; k < 3; ++k) {
-      const Ray &from = rays[k], &to = rays[(k + 1) % 3];
-      if (points_.side(from.plane, to.hit) != left[k] || points_.side(to.plane, from.hit) != right[(k + 1) % 3]) {
-        return false;
+    cuts_ += chains->size();
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+      std::vector<Loop> convex{std::move(faces[i])};
+      for (const Join& join : joins[i]) {
+        [[maybe_unused]] const bool joined =
+            split(join.kink, join.to, {join_plane(join.kink, join.to)}, {}, convex);
+        assert(joined);
       }
-    }
-    std::array<Segments, 3> wedge_segments;
-    for (const CutSegment& segment : segments) {
-      int wedges = 0;
-      for (int k = 0; k < 3; ++k) {
-        const int next = (k + 1) % 3;
-        const int a0 = points_.side(rays[k].plane, segment.ends[0]) * left[k];
-        const int a1 = points_.side(rays[k].plane, segment.ends[1]) * left[k];
-        const int b0 = points_.side(rays[next].plane, segment.ends[0]) * right[next];
-        const int b1 = points_.side(rays[next].plane, segment.ends[1]) * right[next];
-        if (a0 < 0 || a1 < 0 || b0 < 0 || b1 < 0) continue;
-        ++wedges;
-        const bool along_ray = (a0 == 0 && a1 == 0) || (b0 == 0 && b1 == 0);
-        if (!along_ray) wedge_segments[k].push_back(segment);
-      }
-      if (wedges == 0) return false;
-    }
-
-    cuts_ += 2;
-    for (int k = 0; k < 3; ++k) {
-      const Ray &from = rays[k], &to = rays[(k + 1) % 3];
-      Polygon wedge;
-      wedge.corners.push_back({kink, from.plane});
-      wedge.corners.push_back({from.hit, polygon.corners[from.edge].line});
-      const bool on_one_edge = k < 2 && from.edge == to.edge;
-      for (std::size_t i = (from.edge + 1) % count; !on_one_edge; i = (i + 1) % count) {
-        if (polygon.corners[i].point == to.hit) break;
-        wedge.corners.push_back(polygon.corners[i]);
-        if (i == to.edge) break;
-      }
-      wedge.corners.push_back({to.hit, to.plane});
-      wedge.cuts = polygon.cuts;
-      wedge.cuts.push_back({from.plane, left[k]});
-      wedge.cuts.push_back({to.plane, right[(k + 1) % 3]});
-      keep_bounding_cuts(wedge);
-      cut(wedge, std::move(wedge_segments[k]));
+      cuts_ += joins[i].size();
+      for (Loop& loop : convex) add_piece(std::move(loop));
     }
     return true;
   }
+
+  // Moves ends inside the polygon that no other segment shares along their segments to the boundary: a cut has to end
+  // somewhere, and a point there costs no more than one inside. Returns false where that is a corner.
+  bool run_on_to_boundary(const Polygon& polygon, Segments& segments) {
+    const std::size_t count = polygon.corners.size();
+    for (CutSegment& segment : segments) {
+      for (int end = 0; end < 2; ++end) {
+        if (is_shared(segment.ends[end], segments) || place_on_boundary(polygon, segment.ends[end])) continue;
+        // It leaves across the edge that runs from its right to its left.
+        std::size_t edge = count;
+        for (std::size_t i = 0; i < count && edge == count; ++i) {
+          const PointId from = polygon.corners[i].point, to = polygon.corners[(i + 1) % count].point;
+          const auto side = [&](PointId point) { return turn(segment.ends[1 - end], segment.ends[end], point); };
+          if (side(from) < 0 && side(to) > 0) edge = i;
+        }
+        if (edge == count) return false;
+        segment.ends[end] = meeting_point(points_, facet_, polygon.corners[edge].line, segment.plane);
+      }
+    }
+    return true;
+  }
+
+  // Whether two segments cross, touch or overlap, but for a common end.
+  bool meet_elsewhere_than_at_ends(const Segments& segments) const {
+    for (std::size_t i = 0; i < segments.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        const CutSegment &a = segments[i], &b = segments[j];
+        const int a0 = points_.side(b.plane, a.ends[0]), a1 = points_.side(b.plane, a.ends[1]);
+        const bool common = a.ends[0] == b.ends[0] || a.ends[0] == b.ends[1] || a.ends[1] == b.ends[0] ||
+                            a.ends[1] == b.ends[1];
+        if (common) {
+          if (a0 == 0 && a1 == 0) return true;
+          continue;
+        }
+        if (a0 * a1 > 0) continue;
+        if (points_.side(a.plane, b.ends[0]) * points_.side(a.plane, b.ends[1]) <= 0) return true;
+      }
+    }
+    return false;
+  }
+
+  bool parts(const Polygon& polygon, PlaneId plane) const {
+    const auto has_corner_on = [&](int side) {
+      return std::any_of(polygon.corners.begin(), polygon.corners.end(),
+                         [&](const PartCorner& corner) { return points_.side(plane, corner.point) == side; });
+    };
+    return has_corner_on(1) && has_corner_on(-1);
+  }
+
+  std::optional<std::vector<Chain>> find_chains(const Polygon& polygon, const Segments& segments) const {
+    std::map<PointId, std::vector<std::size_t>> segments_at;
+    for (std::size_t i = 0; i < segments.size(); ++i) {
+      for (const PointId end : segments[i].ends) segments_at[end].push_back(i);
+    }
+    std::map<PointId, Place> places;
+    for (const auto& [point, met] : segments_at) {
+      const std::optional<Place> place = place_on_boundary(polygon, point);
+      if (met.size() > 2 || place.has_value() != (met.size() == 1)) return std::nullopt;
+      if (place) places.emplace(point, *place);
+    }
+    std::vector<Chain> chains;
+    std::vector<unsigned char> taken(segments.size());
+    for (const auto& [start, place] : places) {
+      std::size_t segment = segments_at[start].front();
+      if (taken[segment]) continue;
+      Chain chain;
+      chain.ends[0] = place;
+      for (PointId at = start;;) {
+        taken[segment] = true;
+        chain.segments.push_back(segment);
+        at = segments[segment].ends[segments[segment].ends[0] == at];
+        const std::vector<std::size_t>& met = segments_at[at];
+        if (met.size() == 1) {
+          chain.ends[1] = places.at(at);
+          break;
+        }
+        chain.kinks.push_back(at);
+        segment = met[met[0] == segment];
+      }
+      for (const std::size_t i : chain.segments) chain.planes.push_back(segments[i].plane);
+      if (chain.kinks.empty() && !parts(polygon, chain.planes[0])) return std::nullopt;  // along an edge
+      chains.push_back(std::move(chain));
+    }
+    if (std::find(taken.begin(), taken.end(), 0) != taken.end()) return std::nullopt;  // a closed chain
+    return chains;
+  }
+
+  // Adds the ends of chains that lie on the edge after corner i, in their order along it.
+  bool insert_ends(const Polygon& polygon, std::size_t i, const std::vector<Chain>& chains, const Segments& segments,
+                   Loop& loop) const {
+    const PartCorner corner = polygon.corners[i];
+    struct End {
+      PointId point;
+      PlaneId plane;
+    };
+    std::vector<End> ends;
+    for (const Chain& chain : chains) {
+      for (int end = 0; end < 2; ++end) {
+        const Place& place = chain.ends[end];
+        if (place.edge != i || place.point == corner.point) continue;
+        ends.push_back({place.point, segments[end == 0 ? chain.segments.front() : chain.segments.back()].plane});
+      }
+    }
+    for (std::size_t k = 1; k < ends.size(); ++k) {
+      for (std::size_t m = k; m > 0; --m) {
+        const int corner_side = points_.side(ends[m - 1].plane, corner.point);
+        const int side = points_.side(ends[m - 1].plane, ends[m].point);
+        if (corner_side * side == 0) return false;  // two names of one point
+        if (corner_side != side) break;
+        std::swap(ends[m - 1], ends[m]);
+      }
+    }
+    for (const End& end : ends) loop.push_back({end.point, corner.line});
+    return true;
+  }
+
+  // Splits the one face that has both points along segments in these planes, between which there are kinks; returns
+  // false where it is not one.
+  static bool split(PointId start, PointId end, const std::vector<PlaneId>& planes, const std::vector<PointId>& kinks,
+                    std::vector<Loop>& faces) {
+    const auto find = [](const Loop& face, PointId point) {
+      return static_cast<std::size_t>(
+          std::find_if(face.begin(), face.end(), [&](const PartCorner& corner) { return corner.point == point; }) -
+          face.begin());
+    };
+    const auto has_both = [&](const Loop& face) {
+      return find(face, start) < face.size() && find(face, end) < face.size();
+    };
+    const auto face = std::find_if(faces.begin(), faces.end(), has_both);
+    if (start == end || face == faces.end() || std::any_of(face + 1, faces.end(), has_both)) return false;
+    const std::size_t from = find(*face, start), to = find(*face, end), count = face->size();
+    Loop right, left;  // of the segments
+    for (std::size_t i = from; i != to; i = (i + 1) % count) right.push_back((*face)[i]);
+    right.push_back({end, planes.back()});
+    for (std::size_t k = kinks.size(); k-- > 0;) right.push_back({kinks[k], planes[k]});
+    for (std::size_t i = to; i != from; i = (i + 1) % count) left.push_back((*face)[i]);
+    left.push_back({start, planes.front()});
+    for (std::size_t k = 0; k < kinks.size(); ++k) left.push_back({kinks[k], planes[k + 1]});
+    *face = std::move(right);
+    faces.push_back(std::move(left));
+    return true;
+  }
+
+  // Which way round three points of the facet are, +1 for as its corners are.
+  int turn(PointId a, PointId b, PointId c) const { return turn_sign_ * points_.turn(a, b, c, along_normal_); }
+
+  // Whether corners i and k of a loop can be joined within it.
+  bool sees(const std::vector<PointId>& loop, std::size_t i, std::size_t k) const {
+    const std::size_t count = loop.size();
+    const auto point = [&](std::size_t at) { return loop[at % count]; };
+    const auto opens_to = [&](std::size_t at, PointId other) {
+      const PointId before = point(at + count - 1), here = point(at), after = point(at + 1);
+      const int from_before = turn(before, here, other), from_after = turn(here, after, other);
+      if (from_before == 0 || from_after == 0) return false;
+      return turn(before, here, after) >= 0 ? from_before > 0 && from_after > 0 : from_before > 0 || from_after > 0;
+    };
+    if (!opens_to(i, point(k)) || !opens_to(k, point(i))) return false;
+    for (std::size_t e = 0; e < count; ++e) {
+      const std::size_t next = (e + 1) % count;
+      if (e == i || e == k || next == i || next == k) continue;
+      if (turn(point(i), point(k), point(e)) * turn(point(i), point(k), point(next)) > 0) continue;
+      if (turn(point(e), point(next), point(i)) * turn(point(e), point(next), point(k)) <= 0) return false;
+    }
+    return true;
+  }
+
+  // The fewest joins, at most `most`, that part a face into convex ones; not always the fewest where that takes long to
+  // find; nothing where there are none.
+  std::optional<std::vector<Join>> fewest_joins(const std::vector<PointId>& loop, std::size_t most) {
+    const std::size_t count = loop.size();
+    const auto is_reflex = [&](std::size_t before, std::size_t at, std::size_t after) {
+      return turn(loop[before % count], loop[at % count], loop[after % count]) < 0;
+    };
+    std::size_t reflex_corners = 0, from = 0;
+    for (std::size_t i = count; i-- > 0;) {
+      if (!is_reflex(i + count - 1, i, i + 1)) continue;
+      ++reflex_corners;
+      from = i;
+    }
+    if (reflex_corners == 0) return std::vector<Join>{};
+    const std::size_t fewest = (reflex_corners + 1) / 2;  // a join ends in two corners
+    if (fewest > most || ++loops_searched_ > most_loops_searched) return std::nullopt;
+
+    // Some join has to end in the first reflex corner. Those come first that leave the fewest reflex corners.
+    std::vector<std::pair<int, std::size_t>> candidates;
+    for (std::size_t to = 0; to < count; ++to) {
+      if (to == from || (to + 1) % count == from || (from + 1) % count == to) continue;
+      if (!can_join(loop[from], loop[to]) || !sees(loop, from, to)) continue;
+      const int left = is_reflex(from + count - 1, from, to) + is_reflex(to, from, from + 1) +
+                       is_reflex(to + count - 1, to, from) + is_reflex(from, to, to + 1);
+      candidates.push_back({left - is_reflex(to + count - 1, to, to + 1), to});
+    }
+    std::sort(candidates.begin(), candidates.end());
+    std::optional<std::vector<Join>> best;
+    for (const auto& [left, to] : candidates) {
+      std::vector<PointId> one, other;
+      for (std::size_t i = from; i != to; i = (i + 1) % count) one.push_back(loop[i]);
+      one.push_back(loop[to]);
+      for (std::size_t i = to; i != from; i = (i + 1) % count) other.push_back(loop[i]);
+      other.push_back(loop[from]);
+      const std::size_t allowed = best ? best->size() - 1 : most;
+      if (allowed < fewest) break;
+      std::optional<std::vector<Join>> joins = fewest_joins(one, allowed - 1);
+      if (!joins) continue;
+      const std::optional<std::vector<Join>> rest = fewest_joins(other, allowed - 1 - joins->size());
+      if (!rest) continue;
+      joins->insert(joins->end(), rest->begin(), rest->end());
+      joins->insert(joins->begin(), Join{loop[from], loop[to]});
+      best = std::move(joins);
+    }
+    return best;
+  }
+
+  // Whether there is a plane through a kink and another point that can be told by vertices and facets alone.
+  bool can_join(PointId kink, PointId other) const {
+    return !points_.is_vertex(kink) && is_pierced_edge(kink) && (points_.is_vertex(other) || is_pierced_edge(other));
+  }
+  bool is_pierced_edge(PointId point) const {
+    const PointDefinition& definition = points_.definition(point);
+    return definition.kind == PointDefinition::edge_and_plane && definition.c < points_.space().mesh.facet_count();
+  }
+
+  // The plane through the edge that pierces the facet in the kink, and the other point.
+  PlaneId join_plane(PointId kink, PointId other) {
+    const PointDefinition edge = points_.definition(kink);
+    if (points_.is_vertex(other)) return points_.add_plane({edge.a, edge.b, other});
+    const PointDefinition to = points_.definition(other);
+    if (to.a == edge.a || to.a == edge.b) return points_.add_plane({edge.a, edge.b, to.b});
+    if (to.b == edge.a || to.b == edge.b) return points_.add_plane({edge.a, edge.b, to.a});
+    return points_.add_plane({edge.a, edge.b, to.a, to.b, to.c});
+  }
+
+  void add_piece(Loop loop) {
+    Polygon piece{std::move(loop), {}};
+    for (const PartCorner& corner : piece.corners) {
+      const Line line = corner.line;
+      const auto is_same = [&](const Cut& cut) { return cut.plane == line; };
+      if (is_facet_edge(line) || std::any_of(piece.cuts.begin(), piece.cuts.end(), is_same)) continue;
+      int side = 0;
+      for (std::size_t i = 0; side == 0 && i < piece.corners.size(); ++i) {
+        side = points_.side(line, piece.corners[i].point);
+      }
+      piece.cuts.push_back({line, side});
+    }
+    pieces_.add(facet_, piece.corners, piece.cuts);
+  }
+
+  static constexpr std::size_t most_loops_searched = 4000;
 
   Points& points_;
   FacetId facet_;
@@ -642,6 +847,9 @@ class FacetCutter {
   DistinctPoints ends_;
   std::vector<int> sides_;
   std::size_t cuts_ = 0;
+  Eye along_normal_;  // along an axis that is not in the facet's plane
+  int turn_sign_ = 0;
+  std::size_t loops_searched_ = 0;
 };
 
 // The parts of one facet, with points of their own after those of the mesh.
@@ -695,7 +903,7 @@ class Merger {
   PlaneId plane_of(const CutFacet& facet, PlaneId plane) {
     if (plane < points_.space().mesh.facet_count()) return plane;
     const auto [place, is_new] = planes_.try_emplace(plane, 0);
-    if (is_new) place->second = points_.add_plane(facet.points->plane_vertices(plane));
+    if (is_new) place->second = points_.add_plane(facet.points->plane(plane));
     return place->second;
   }
 

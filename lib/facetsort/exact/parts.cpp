@@ -3,18 +3,6 @@
 #include <algorithm>
 
 namespace facetsort::exact_internal {
-namespace {
-
-// Where the plane meets the edge of a part from `from` to `to`, which lies on `line`.
-PointId meeting_point(Points& points, FacetId facet, Line line, PlaneId plane) {
-  if (is_facet_edge(line)) {
-    const auto [p, q] = edge_vertices(points.space(), facet, line);
-    return points.add({PointDefinition::edge_and_plane, p, q, plane});
-  }
-  return points.add(PointDefinition::of_planes(points.same_plane(facet), line, plane));
-}
-
-}  // namespace
 
 void PartList::add(FacetId facet, std::span<const PartCorner> loop, std::span<const Cut> part_cuts) {
   parts.push_back({facet, static_cast<std::uint32_t>(corners.size()), static_cast<std::uint32_t>(loop.size()),
@@ -41,6 +29,14 @@ Polygon whole_facet(const PointSpace& space, FacetId facet) {
     polygon.corners.push_back({space.corner(facet, i), facet_edge | static_cast<Line>((i + 2) % 3)});
   }
   return polygon;
+}
+
+PointId meeting_point(Points& points, FacetId facet, Line line, PlaneId plane) {
+  if (is_facet_edge(line)) {
+    const auto [p, q] = edge_vertices(points.space(), facet, line);
+    return points.add({PointDefinition::edge_and_plane, p, q, plane});
+  }
+  return points.add(PointDefinition::of_planes(points.same_plane(facet), line, plane));
 }
 
 bool cut_in_two(Points& points, FacetId facet, const Polygon& polygon, PlaneId plane, Polygon& front, Polygon& back,

@@ -66,11 +66,13 @@ std::pair<PointId, PointId> edge_vertices(const PointSpace& space, FacetId facet
 
 Polygon whole_facet(const PointSpace& space, FacetId facet);
 
+// Adds the point where a plane meets the edge of a part of `facet` that lies on `line`, and parts that edge's ends.
+PointId meeting_point(Points& points, FacetId facet, Line line, PlaneId plane);
+
 // Cuts `polygon` of `facet` by a plane and returns true, or returns false where the plane does not part
 // it; new points are added to `points`. `sides` is scratch.
 bool cut_in_two(Points& points, FacetId facet, const Polygon& polygon, PlaneId plane, Polygon& front, Polygon& back,
                 std::vector<int>& sides);
-
 
 // Distinct points, by definition, that are corners of the parts and have ids from `first` on.
 std::size_t count_new_corners(const Points& points, const PartList& parts, std::size_t first);

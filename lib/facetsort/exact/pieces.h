@@ -6,7 +6,33 @@
 #include <glm/glm.hpp>
 #include <span>
 
+#include "facetsort/exact/predicates.h"
+#include "facetsort/mesh/mesh_view.h"
+
 namespace facetsort {
+
+// A plane through two vertices and a third point, not all on one line. The third is a vertex or, where the plane is a
+// join, the point in which the edge from `third` to `edge_end` pierces a facet's plane, which parts its ends strictly.
+struct CutPlane {
+  static constexpr std::uint32_t none = 0xffffffffu;
+
+  std::uint32_t first, second, third;
+  std::uint32_t edge_end = none, facet = none;
+
+  bool is_join() const { return edge_end != none; }
+  bool operator==(const CutPlane&) const = default;
+};
+
+inline PlanePoints points_of(const MeshView& mesh, const CutPlane& plane) {
+  const auto position = [&](std::uint32_t vertex) { return mesh.positions[vertex]; };
+  PlanePoints points{{position(plane.first), position(plane.second), position(plane.third)}};
+  if (plane.is_join()) {
+    points.is_join = true;
+    points.edge_end = position(plane.edge_end);
+    points.facet = {mesh.corner(plane.facet, 0), mesh.corner(plane.facet, 1), mesh.corner(plane.facet, 2)};
+  }
+  return points;
+}
 
 // One side of a plane: +1 the side that its normal (b - a) x (c - a) points to, -1 the other. A point in the plane belongs
 // to neither; what covers pixels decides such points by the top-left rule, which gives each to exactly one of the two.
@@ -16,7 +42,7 @@ struct Cut {
 };
 
 // The points of `facet` on the given side of each of its cuts' planes. The pieces of a facet are disjoint and cover it:
-// they come from cutting it, then its parts, in two.
+// each is convex.
 struct Piece {
   std::uint32_t facet;
   std::uint32_t first_cut, cut_count;  // in Pieces::cuts
@@ -24,16 +50,17 @@ struct Piece {
 
 // What an order of a mesh with cut facets draws: draw id i below the mesh's facet count is facet i, whole; draw id
 // facet count + i is pieces[i]. A cut's plane p below the facet count is that of facet p, which has area; plane facet
-// count + i is that through the vertices planes[i], which are not on one line.
+// count + i is planes[i].
 struct Pieces {
   std::span<const Piece> pieces;
   std::span<const Cut> cuts;
-  std::span<const glm::uvec3> planes;
+  std::span<const CutPlane> planes;
 
   std::span<const Cut> cuts_of(const Piece& piece) const { return cuts.subspan(piece.first_cut, piece.cut_count); }
-  // The vertices of the plane of a cut.
-  glm::uvec3 plane_vertices(const Cut& cut, std::span<const glm::uvec3> triangles) const {
-    return cut.plane < triangles.size() ? triangles[cut.plane] : planes[cut.plane - triangles.size()];
+  CutPlane plane_of(const Cut& cut, std::span<const glm::uvec3> triangles) const {
+    if (cut.plane >= triangles.size()) return planes[cut.plane - triangles.size()];
+    const glm::uvec3& facet = triangles[cut.plane];
+    return {facet.x, facet.y, facet.z};
   }
   // The facet that a draw id is, or is part of.
   std::uint32_t facet_of(std::uint32_t draw_id, std::size_t facet_count) const {

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <limits>
 
 #include "facetsort/exact/integers.h"
+#include "facetsort/exact/plane_normal.h"
 #include "facetsort/exact/predicates.h"
 
 namespace facetsort::exact_internal {
@@ -27,33 +29,33 @@ IntegerVector operator+(const IntegerVector& a, const IntegerVector& b) {
   return {a.x + b.x, a.y + b.y, a.z + b.z};
 }
 
-Integer determinant(const IntegerVector& a, const IntegerVector& b, const IntegerVector& c, const IntegerVector& d) {
-  return dot(cross(b - a, c - a), d - a);
-}
-
 ExactPoint with_positive_weight(IntegerVector p, Integer w) {
   if (w < 0) return {{-p.x, -p.y, -p.z}, -w};
   return {std::move(p), std::move(w)};
 }
 
-// The float32 coordinates that define a point: 1 (a vertex), 5 (an edge, then a plane) or 9 (three planes).
+// What defines a point in float32: a vertex; an edge, then a plane; or three planes.
 struct Coordinates {
-  int count = 0;
-  std::array<glm::vec3, 9> p;
-
-  void add(const glm::vec3& point) { p[count++] = point; }
+  int point_count = 0, plane_count = 0;
+  std::array<glm::vec3, 2> point;
+  std::array<PlanePoints, 3> plane;
 };
 
+Coordinates coordinates_of(const glm::vec3& point) {
+  Coordinates coordinates;
+  coordinates.point[coordinates.point_count++] = point;
+  return coordinates;
+}
+
 void add_plane(const Points& points, PlaneId plane, Coordinates& coordinates) {
-  const glm::uvec3 vertices = points.plane_vertices(plane);
-  for (int i = 0; i < 3; ++i) coordinates.add(points.space().position(vertices[i]));
+  coordinates.plane[coordinates.plane_count++] = points_of(points.space().mesh, points.plane(plane));
 }
 
 Coordinates coordinates_of(const Points& points, const PointDefinition& definition) {
   Coordinates coordinates;
   if (definition.kind == PointDefinition::edge_and_plane) {
-    coordinates.add(points.space().position(definition.a));
-    coordinates.add(points.space().position(definition.b));
+    coordinates = coordinates_of(points.space().position(definition.a));
+    coordinates.point[coordinates.point_count++] = points.space().position(definition.b);
     add_plane(points, definition.c, coordinates);
   } else {
     for (const PlaneId plane : {definition.a, definition.b, definition.c}) add_plane(points, plane, coordinates);
@@ -62,43 +64,54 @@ Coordinates coordinates_of(const Points& points, const PointDefinition& definiti
 }
 
 Coordinates coordinates_of(const Points& points, PointId point) {
-  if (!points.is_vertex(point)) return coordinates_of(points, points.definition(point));
-  Coordinates coordinates;
-  coordinates.add(points.space().position(point));
-  return coordinates;
+  if (points.is_vertex(point)) return coordinates_of(points.space().position(point));
+  return coordinates_of(points, points.definition(point));
 }
 
 int lowest_exponent(const Coordinates& coordinates) {
   int lowest = std::numeric_limits<int>::max();
-  for (int i = 0; i < coordinates.count; ++i) {
-    for (int k = 0; k < 3; ++k) lowest = std::min(lowest, Dyadic(coordinates.p[i][k]).exponent);
+  for (int i = 0; i < coordinates.point_count; ++i) {
+    lowest = std::min(lowest, common_exponent({glm::dvec3(coordinates.point[i])}));
   }
+  for (int i = 0; i < coordinates.plane_count; ++i) lowest = std::min(lowest, plane_exponent(coordinates.plane[i]));
   return lowest;
 }
 
-// 0 when all coordinates are zero.
 template <std::size_t n>
 int lowest_exponent(const std::array<Coordinates, n>& all) {
   int lowest = std::numeric_limits<int>::max();
   for (const Coordinates& coordinates : all) lowest = std::min(lowest, lowest_exponent(coordinates));
-  return lowest == std::numeric_limits<int>::max() ? 0 : lowest;
+  return lowest;
 }
 
+// A plane in integers: the points x with dot(normal, x - origin) = 0.
+struct ExactPlane {
+  IntegerVector origin, normal;
+
+  ExactPlane(const PlanePoints& plane, int exponent)
+      : origin(scaled_integers(plane.points[0], exponent)), normal(plane_normal(plane, exponent)) {}
+
+  Integer value_at(const IntegerVector& point) const { return dot(normal, point - origin); }
+};
+
 ExactPoint exact_point(const Coordinates& coordinates, int exponent) {
-  const auto p = [&](int i) { return scaled_integers(glm::dvec3(coordinates.p[i]), exponent); };
-  if (coordinates.count == 1) return {p(0), Integer(1)};
-  if (coordinates.count == 5) {
-    const IntegerVector from = p(0), to = p(1), a = p(2), b = p(3), c = p(4);
-    const Integer side_from = determinant(a, b, c, from), side_to = determinant(a, b, c, to);
-    return with_positive_weight(side_to * from - side_from * to, side_to - side_from);
+  const auto integers = [&](const glm::vec3& point) { return scaled_integers(glm::dvec3(point), exponent); };
+  if (coordinates.plane_count == 0) return {integers(coordinates.point[0]), Integer(1)};
+  if (coordinates.plane_count == 1) {
+    const IntegerVector from = integers(coordinates.point[0]), to = integers(coordinates.point[1]);
+    const ExactPlane plane(coordinates.plane[0], exponent);
+    const Integer from_value = plane.value_at(from), to_value = plane.value_at(to);
+    return with_positive_weight(to_value * from - from_value * to, to_value - from_value);
   }
-  // On the first plane, with the weights of its three vertices for coordinates, the other two planes are lines; lines
-  // meet in their cross product.
-  const std::array<IntegerVector, 3> corner = {p(0), p(1), p(2)};
+  // On the first plane, a facet's, with the weights of its three vertices for coordinates, the other two planes are
+  // lines; lines meet in their cross product.
+  assert(!coordinates.plane[0].is_join);
+  std::array<IntegerVector, 3> corner;
+  for (int i = 0; i < 3; ++i) corner[i] = integers(coordinates.plane[0].points[i]);
   IntegerVector line[2];
   for (int k = 0; k < 2; ++k) {
-    const IntegerVector a = p(3 + 3 * k), b = p(4 + 3 * k), c = p(5 + 3 * k);
-    line[k] = {determinant(a, b, c, corner[0]), determinant(a, b, c, corner[1]), determinant(a, b, c, corner[2])};
+    const ExactPlane plane(coordinates.plane[1 + k], exponent);
+    line[k] = {plane.value_at(corner[0]), plane.value_at(corner[1]), plane.value_at(corner[2])};
   }
   const IntegerVector weight = cross(line[0], line[1]);
   return with_positive_weight(weight.x * corner[0] + weight.y * corner[1] + weight.z * corner[2],
@@ -131,7 +144,7 @@ double quotient(const Integer& numerator, const Integer& denominator, int expone
 
 glm::dvec3 exact_position(const Coordinates& coordinates) {
   ++fallback_count;
-  const int exponent = lowest_exponent(std::array{coordinates});
+  const int exponent = lowest_exponent(coordinates);
   const ExactPoint point = exact_point(coordinates, exponent);
   return {quotient(point.p.x, point.w, exponent), quotient(point.p.y, point.w, exponent),
           quotient(point.p.z, point.w, exponent)};
@@ -164,23 +177,17 @@ Bounded bounded_determinant(const glm::dvec3& u, double u_error, const glm::dvec
   return {value, error};
 }
 
-// The corners of a plane.
-std::array<glm::vec3, 3> corners_of(const Points& points, PlaneId plane) {
-  const glm::uvec3 v = points.plane_vertices(plane);
-  return {points.space().position(v.x), points.space().position(v.y), points.space().position(v.z)};
-}
-
-Bounded bounded_side(const Points& points, PlaneId plane, const glm::dvec3& point) {
-  const auto corner = corners_of(points, plane);
-  const glm::dvec3 a(corner[0]), b(corner[1]), c(corner[2]);
-  return bounded_determinant(b - a, 0, c - a, 0, point - a, 0);
+Bounded bounded_side(const Points& points, PlaneId plane, const glm::dvec3& point, double point_error) {
+  const auto [a, b, c, error] = points.corners(plane);
+  return bounded_determinant(b - a, 0, c - a, error, point - a, point_error);
 }
 
 // The point in double and a bound on its error, not finite where double can't tell.
 std::pair<glm::dvec3, double> approximate(const Points& points, const PointDefinition& definition) {
   if (definition.kind == PointDefinition::edge_and_plane) {
     const glm::dvec3 p(points.space().position(definition.a)), q(points.space().position(definition.b));
-    const Bounded from = bounded_side(points, definition.c, p), to = bounded_side(points, definition.c, q);
+    const Bounded from = bounded_side(points, definition.c, p, 0);
+    const Bounded to = bounded_side(points, definition.c, q, 0);
     const double difference = from.value - to.value, error = from.error + to.error;
     const double certain = std::abs(difference) - error;
     if (!(certain > 0)) return {{}, INFINITY};
@@ -188,15 +195,15 @@ std::pair<glm::dvec3, double> approximate(const Points& points, const PointDefin
     const double t_error = 2 * error / certain + 4 * half_epsilon;
     return {p + t * (q - p), t_error * sum_of_magnitudes(q - p) + 4 * half_epsilon * sum_of_magnitudes(p)};
   }
-  std::array<glm::dvec3, 3> corner;
-  for (int i = 0; i < 3; ++i) corner[i] = corners_of(points, definition.a)[i];
+  const Points::PlaneCorners facet = points.corners(definition.a);
+  const std::array<glm::dvec3, 3> corner = {facet.a, facet.b, facet.c};
   glm::dvec3 line[2];
   double line_error[2];
   for (int k = 0; k < 2; ++k) {
     double largest = 0;
     line_error[k] = 0;
     for (int i = 0; i < 3; ++i) {
-      const Bounded side = bounded_side(points, k == 0 ? definition.b : definition.c, corner[i]);
+      const Bounded side = bounded_side(points, k == 0 ? definition.b : definition.c, corner[i], 0);
       line[k][i] = side.value;
       line_error[k] = std::max(line_error[k], side.error);
       largest = std::max(largest, std::abs(side.value));
@@ -215,6 +222,19 @@ std::pair<glm::dvec3, double> approximate(const Points& points, const PointDefin
   const double reach = sum_of_magnitudes(ab) + sum_of_magnitudes(ac);
   return {corner[0] + offset, reach * (8 * weight_error / certain + 8 * half_epsilon) +
                                   4 * half_epsilon * sum_of_magnitudes(corner[0])};
+}
+
+// The point in double, and a bound on its error that leaves it of use in a filter.
+std::pair<glm::dvec3, double> position_and_error(const Points& points, const PointDefinition& definition) {
+  // A double in error by more than this, over its largest coordinate, is of none.
+  constexpr double largest_error = 0x1p-44;
+  auto [position, error] = approximate(points, definition);
+  const auto magnitude = [](const glm::dvec3& p) { return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}); };
+  if (!(error <= largest_error * magnitude(position))) {
+    position = exact_position(coordinates_of(points, definition));
+    error = 4 * half_epsilon * magnitude(position);
+  }
+  return {position, error};
 }
 
 bool rounds_one_way(double value, double error) {
@@ -243,16 +263,29 @@ void PointSpace::find_facets_around() {
 }
 
 PointId Points::add(const PointDefinition& definition) {
-  // A double in error by more than this, over its largest coordinate, is no use in a filter.
-  constexpr double largest_error = 0x1p-44;
-  auto [position, error] = approximate(*this, definition);
-  const auto magnitude = [](const glm::dvec3& p) { return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}); };
-  if (!(error <= largest_error * magnitude(position))) {
-    position = exact_position(coordinates_of(*this, definition));
-    error = 4 * half_epsilon * magnitude(position);
-  }
+  const auto [position, error] = position_and_error(*this, definition);
   made_.push_back({definition, position, error});
   return static_cast<PointId>(size() - 1);
+}
+
+PlaneId Points::add_plane(const CutPlane& plane) {
+  ThirdPoint third{glm::dvec3(space_->position(plane.third)), 0};
+  if (plane.is_join()) {
+    const auto [position, error] =
+        position_and_error(*this, {PointDefinition::edge_and_plane, plane.third, plane.edge_end, plane.facet});
+    third = {position, error};
+  }
+  planes_.push_back(plane);
+  third_points_.push_back(third);
+  return static_cast<PlaneId>(plane_count() - 1);
+}
+
+Points::PlaneCorners Points::corners_of_added(PlaneId plane) const {
+  if (plane < first_plane_) return base_->corners(plane);
+  const CutPlane& defining = planes_[plane - first_plane_];
+  const ThirdPoint& third = third_points_[plane - first_plane_];
+  return {glm::dvec3(space_->position(defining.first)), glm::dvec3(space_->position(defining.second)), third.position,
+          third.error};
 }
 
 glm::vec3 Points::rounded(PointId point) const {
@@ -267,9 +300,10 @@ glm::vec3 Points::rounded(PointId point) const {
 
 // A vertex of the plane, or of a facet in it.
 bool Points::known_vertex_in_plane(PointId vertex, PlaneId plane) const {
-  const glm::uvec3 v = plane_vertices(plane);
+  const CutPlane defining = this->plane(plane);
   const std::vector<PointId>& position = space_->position_of_vertex;
-  if (position[v.x] == vertex || position[v.y] == vertex || position[v.z] == vertex) return true;
+  if (position[defining.first] == vertex || position[defining.second] == vertex) return true;
+  if (position[defining.third] == vertex && !defining.is_join()) return true;
   const PlaneId same = same_plane(plane);
   for (std::uint32_t i = space_->around_begin[vertex]; i < space_->around_begin[vertex + 1]; ++i) {
     if (space_->plane_of_facet[space_->around[i]] == same) return true;
@@ -340,8 +374,7 @@ int Points::turn(PointId a, PointId b, PointId c, const Eye& eye) const {
   if (std::abs(value.value) > value.error) return sign(value.value);
   if (known_collinear(a, b, c)) return 0;
   ++fallback_count;
-  Coordinates seen_from;
-  seen_from.add(glm::vec3(eye));
+  const Coordinates seen_from = coordinates_of(glm::vec3(eye));
   const std::array all = {coordinates_of(*this, a), coordinates_of(*this, b), coordinates_of(*this, c), seen_from};
   const int exponent = lowest_exponent(all);
   ExactPoint exact_eye = exact_point(seen_from, exponent);
@@ -351,14 +384,18 @@ int Points::turn(PointId a, PointId b, PointId c, const Eye& eye) const {
 }
 
 int Points::side(PlaneId plane, PointId point) const {
-  const auto [a, b, c] = corners_of(*this, plane);
-  const glm::dvec3 origin(a);
-  const Bounded value = bounded_determinant(glm::dvec3(b) - origin, 0, glm::dvec3(c) - origin, 0,
-                                            position(point) - origin, error(point));
+  const Bounded value = bounded_side(*this, plane, position(point), error(point));
   if (std::abs(value.value) > value.error) return sign(value.value);
   if (known_in_plane(point, plane)) return 0;
-  const glm::uvec3 v = plane_vertices(plane);
-  return orientation(v.x, v.y, v.z, point);
+  const CutPlane defining = this->plane(plane);
+  if (!defining.is_join()) return orientation(defining.first, defining.second, defining.third, point);
+  ++fallback_count;
+  const PlanePoints plane_points = points_of(space_->mesh, defining);
+  const Coordinates coordinates = coordinates_of(*this, point);
+  const int exponent = std::min(plane_exponent(plane_points), lowest_exponent(coordinates));
+  const ExactPoint exact = exact_point(coordinates, exponent);
+  const ExactPlane exact_plane(plane_points, exponent);
+  return sign(dot(exact_plane.normal, exact.p - exact.w * exact_plane.origin));
 }
 
 }  // namespace facetsort::exact_internal

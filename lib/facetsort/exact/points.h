@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "facetsort/exact/memory.h"
+#include "facetsort/exact/pieces.h"
 #include "facetsort/mesh/mesh_view.h"
 
 namespace facetsort::exact_internal {
@@ -64,18 +65,14 @@ class Points {
       : space_(base->space_), base_(base), first_(base->size()), first_plane_(base->plane_count()) {}
 
   PointId add(const PointDefinition& definition);
-  // The plane through three vertices that are not on one line.
-  PlaneId add_plane(const glm::uvec3& vertices) {
-    planes_.push_back(vertices);
-    return static_cast<PlaneId>(plane_count() - 1);
-  }
+  PlaneId add_plane(const CutPlane& plane);
   // Forgets the points added after the first `size`.
   void truncate(std::size_t size) { made_.resize(size - first_); }
 
   std::size_t size() const { return first_ + made_.size(); }
   std::size_t plane_count() const { return first_plane_ + planes_.size(); }
-  std::span<const glm::uvec3> added_planes() const { return planes_; }
-  std::size_t memory_bytes() const { return bytes_of(made_, planes_); }
+  std::span<const CutPlane> added_planes() const { return planes_; }
+  std::size_t memory_bytes() const { return bytes_of(made_, planes_, third_points_); }
   const PointSpace& space() const { return *space_; }
   bool is_vertex(PointId point) const { return point < space_->mesh.vertex_count(); }
   // Precondition: not a vertex.
@@ -96,11 +93,25 @@ class Points {
   // The side of the plane that the point is on, +1 for that of its normal.
   int side(PlaneId plane, PointId point) const;
 
-  // The vertices that define a plane, and one id for the planes of facets known to lie in the same.
-  glm::uvec3 plane_vertices(PlaneId plane) const {
-    if (plane < space_->mesh.facet_count()) return space_->mesh.triangles[plane];
-    return plane < first_plane_ ? base_->plane_vertices(plane) : planes_[plane - first_plane_];
+  // What defines a plane.
+  CutPlane plane(PlaneId id) const {
+    if (id >= first_plane_) return planes_[id - first_plane_];
+    if (id >= space_->mesh.facet_count()) return base_->plane(id);
+    const glm::uvec3& facet = space_->mesh.triangles[id];
+    return {facet.x, facet.y, facet.z};
   }
+  // Three points of a plane in double; the third up to `error` in each coordinate.
+  struct PlaneCorners {
+    glm::dvec3 a, b, c;
+    double error;
+  };
+  PlaneCorners corners(PlaneId plane) const {
+    if (plane >= space_->mesh.facet_count()) return corners_of_added(plane);
+    const glm::uvec3& facet = space_->mesh.triangles[plane];
+    return {glm::dvec3(space_->position(facet.x)), glm::dvec3(space_->position(facet.y)),
+            glm::dvec3(space_->position(facet.z)), 0};
+  }
+  // One id for the planes of facets known to lie in the same.
   PlaneId same_plane(PlaneId plane) const {
     return plane < space_->mesh.facet_count() ? space_->plane_of_facet[plane] : plane;
   }
@@ -112,7 +123,14 @@ class Points {
     double error;
   };
 
+  // The third point of an added plane in double.
+  struct ThirdPoint {
+    glm::dvec3 position;
+    double error;
+  };
+
   const Made& made(PointId point) const { return point < first_ ? base_->made(point) : made_[point - first_]; }
+  PlaneCorners corners_of_added(PlaneId plane) const;
   bool known_vertex_in_plane(PointId vertex, PlaneId plane) const;
   bool known_in_plane(PointId point, PlaneId plane) const;
   bool known_collinear(PointId a, PointId b, PointId c) const;
@@ -122,7 +140,8 @@ class Points {
   std::size_t first_;  // id of made_[0]
   std::size_t first_plane_;  // id of planes_[0]
   std::vector<Made> made_;
-  std::vector<glm::uvec3> planes_;
+  std::vector<CutPlane> planes_;
+  std::vector<ThirdPoint> third_points_;  // of each
 };
 
 // Adds points, each definition once.

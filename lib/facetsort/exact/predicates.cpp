@@ -10,6 +10,7 @@
 #include <limits>
 
 #include "facetsort/exact/integers.h"
+#include "facetsort/exact/plane_normal.h"
 
 namespace facetsort {
 namespace {
@@ -151,6 +152,23 @@ SignedVolume signed_volume(const glm::vec3& a, const glm::vec3& b, const glm::ve
   return {determinant, bound_of_3x3 * magnitude};
 }
 
+SignedVolume signed_volume(const PlanePoints& plane, const glm::vec3& d) {
+  const auto& [a, b, c] = plane.points;
+  const SignedVolume near = signed_volume(a, b, c, d);
+  if (!plane.is_join) return near;
+  // The third point is the mean of the edge's ends, each weighted by how far off the other is.
+  const auto& [p, q, r] = plane.facet;
+  const SignedVolume far = signed_volume(a, b, plane.edge_end, d);
+  const SignedVolume near_weight = signed_volume(p, q, r, plane.edge_end), far_weight = signed_volume(p, q, r, c);
+  const auto product_error = [](const SignedVolume& weight, const SignedVolume& volume) {
+    return std::abs(weight.value) * volume.error + weight.error * (std::abs(volume.value) + volume.error);
+  };
+  const double near_part = std::abs(near_weight.value) * near.value, far_part = std::abs(far_weight.value) * far.value;
+  constexpr double roundings = 0x1p-50;  // of the products, their sum, and the error itself
+  return {near_part + far_part, (1 + roundings) * (product_error(near_weight, near) + product_error(far_weight, far)) +
+                                    roundings * (std::abs(near_part) + std::abs(far_part))};
+}
+
 int normal_sign(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, int axis) {
   assert(axis >= 0 && axis < 3);
   const int i = (axis + 1) % 3, j = (axis + 2) % 3;
@@ -180,15 +198,15 @@ int exact_facing(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, con
   return sign(dot(cross(project(a), project(b)), project(c)));
 }
 
-EdgeSigns exact_cut_signs(const std::array<glm::vec3, 3>& facet, const std::array<glm::vec3, 3>& plane,
+EdgeSigns exact_cut_signs(const std::array<glm::vec3, 3>& facet, const PlanePoints& plane,
                           const glm::vec3& eye, const glm::dmat3& rows, const glm::dvec3& offset, double pixel_x,
                           double pixel_y) {
   ++fallback_count;
-  const int exponent = common_exponent({glm::dvec3(plane[0]), glm::dvec3(plane[1]), glm::dvec3(plane[2]),
-                                        glm::dvec3(facet[0]), glm::dvec3(facet[1]), glm::dvec3(facet[2])});
-  const IntegerVector origin = scaled_integers(plane[0], exponent);
-  const IntegerVector normal =
-      cross(scaled_integers(plane[1], exponent) - origin, scaled_integers(plane[2], exponent) - origin);
+  const int exponent =
+      std::min(plane_exponent(plane),
+               common_exponent({glm::dvec3(facet[0]), glm::dvec3(facet[1]), glm::dvec3(facet[2])}));
+  const IntegerVector origin = scaled_integers(plane.points[0], exponent);
+  const IntegerVector normal = plane_normal(plane, exponent);
   const ExactProjection project({facet[0], facet[1], facet[2]}, eye, rows, offset);
   const IntegerVector corner[3] = {project(facet[0]), project(facet[1]), project(facet[2])};
   IntegerVector line;

@@ -27,6 +27,18 @@ struct SignedVolume {
 };
 SignedVolume signed_volume(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::vec3& d);
 
+// Three points that are not on one line, and the plane through them. Where it is a join, the third is not points[2] but
+// where the edge from there to `edge_end` pierces the plane of `facet`, which parts the edge's ends strictly.
+struct PlanePoints {
+  std::array<glm::vec3, 3> points;
+  bool is_join = false;
+  glm::vec3 edge_end{};
+  std::array<glm::vec3, 3> facet{};
+};
+
+// The same for such a plane, up to a positive factor that depends on the plane alone.
+SignedVolume signed_volume(const PlanePoints& plane, const glm::vec3& d);
+
 // Sign of component `axis` (0, 1 or 2) of the normal (b - a) x (c - a): the turn that abc makes when the points are
 // projected along that axis, +1 for counter-clockwise as seen from its positive end.
 int normal_sign(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, int axis);
@@ -52,11 +64,11 @@ EdgeSigns exact_edge_signs(const glm::vec3& a, const glm::vec3& b, const glm::ve
 int exact_facing(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::vec3& eye,
                  const glm::dmat3& rows, const glm::dvec3& offset);
 
-// The same for the line in which the plane of one facet cuts another: the sum, over the corners i of `facet`, of the
+// The same for the line in which a plane cuts a facet: the sum, over the corners i of `facet`, of the
 // signed volume of `plane` and corner i times the edge function h(corner i + 1) x h(corner i + 2). Times the sign of
 // det[h(facet)], it is positive where the point of the facet that is seen lies on the side of `plane` that its normal
 // points to. All signs are 0 when the facet lies in the plane. Always exact, without a filter; four microseconds.
-EdgeSigns exact_cut_signs(const std::array<glm::vec3, 3>& facet, const std::array<glm::vec3, 3>& plane,
+EdgeSigns exact_cut_signs(const std::array<glm::vec3, 3>& facet, const PlanePoints& plane,
                           const glm::vec3& eye, const glm::dmat3& rows, const glm::dvec3& offset, double pixel_x,
                           double pixel_y);
 
