@@ -16,9 +16,9 @@ struct PartedFacets {
 };
 
 // Finds all pairs of facets that cross: each has area on both sides of the other's plane, and they share a segment. In
-// each pair one facet is cut along the segment, until no part crosses a facet; hence no two of all the parts cross. Where
-// that leaves a facet in parts that are not convex, kinks are joined to other corners; only where segments cross, or
-// a join cannot be had, a cut runs on beyond its segment. New points are added to `points`.
+// each pair one facet is cut along the segment, until no part crosses a facet; hence no two of all the parts cross.
+// Where that leaves a facet in parts that are not convex, kinks are joined to other corners; a cut runs on beyond its
+// segment only where segments cross or end, or a join cannot be had. New points are added to `points`.
 // `most_triangles`: the most that all parts and whole facets may make. Parallel in the caller's task arena; the result
 // does not depend on the thread count.
 PartedFacets part_crossing_facets(Points& points, const std::vector<unsigned char>& degenerate,
