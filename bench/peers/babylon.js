@@ -1,5 +1,5 @@
-// Babylon.js's own facet depth sort (mustDepthSortFacets), timed without a graphics card, beside facetsort's sort of the
-// same facets from the same eyes in the same run: medians in a table, millions of facets a second.
+// Babylon.js's own facet depth sort (mustDepthSortFacets), timed without a graphics card, beside facetsort's sort of
+// the same facets from the same eyes in the same run: medians in a table, millions of facets a second.
 //
 //   npm ci && node babylon.js FACETSORT_BENCH MESH.ply...
 //
@@ -88,8 +88,8 @@ function median(values) {
   return (sorted[(sorted.length - 1) >> 1] + sorted[sorted.length >> 1]) / 2;
 }
 
-// updateFacetData() is what Babylon.js does each frame: it computes facet normals and centroids anew as well, sorts, and
-// writes the index buffer. The first frame, which makes its arrays, is not counted.
+// updateFacetData() is what Babylon.js does each frame: it computes facet normals and centroids anew as well, sorts,
+// and writes the index buffer. The first frame, which makes its arrays, is not counted.
 function timeBabylon({ positions, indices }, eyes) {
   const engine = new NullEngine();
   let sorted;
@@ -133,7 +133,8 @@ function timeFacetsort(program, file) {
     .map((run) => {
       const [, , variant, threads] = run.run_name.split('/');
       const order = variant === name ? 'spatial order' : 'as read';
-      return { name: `facetsort, ${order}, ${threads.replace('threads:', '')} thread(s)`, speed: run.items_per_second / 1e6 };
+      const count = threads.replace('threads:', '');
+      return { name: `facetsort, ${order}, ${count} thread(s)`, speed: run.items_per_second / 1e6 };
     });
 }
 
