@@ -17,6 +17,8 @@ void register_exact_benchmarks();
 void register_vtk_benchmarks();
 // draw/FORMAT/MESH: the blend target at 1024 x 1024, facets already in order.
 void register_draw_benchmarks();
+// llvmpipe_draw/FORMAT/MESH: the same by Mesa's software OpenGL driver, where the build found OSMesa.
+void register_llvmpipe_benchmarks();
 // collect_fragments/MESH: per-pixel lists at 512 x 512.
 void register_fragment_benchmarks();
 

@@ -42,6 +42,9 @@ int main(int argc, char** argv) {
   facetsort::bench::register_vtk_benchmarks();
 #endif
   facetsort::bench::register_draw_benchmarks();
+#ifdef FACETSORT_BENCH_LLVMPIPE
+  facetsort::bench::register_llvmpipe_benchmarks();
+#endif
   facetsort::bench::register_fragment_benchmarks();
   std::unique_ptr<benchmark::BenchmarkReporter> shown(benchmark::CreateDefaultDisplayReporter());
   ErrorWatch watch(std::move(shown));
