@@ -336,6 +336,11 @@ TEST(SorterOutput, DoesNothingForTheSameViewAgain) {
   const_cast<std::uint32_t&>(order[0]) ^= 1;
   const std::uint32_t changed = order[0];
   EXPECT_EQ(sorter.sort(view)[0], changed);
+  sorter.forget_view();
+  EXPECT_FALSE(sorter.is_sorted_for(view));
+  const std::uint32_t right = changed ^ 1;
+  EXPECT_EQ(sorter.sort(view)[0], right);
+  const_cast<std::uint32_t&>(sorter.sort(view)[0]) ^= 1;
 
   Ids indices(3 * mesh.triangles.size());
   sorter.sort_indices(view, mesh.triangles, std::span(indices));

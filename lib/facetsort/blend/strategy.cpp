@@ -160,7 +160,10 @@ StrategyRenderer::~StrategyRenderer() = default;
 
 void StrategyRenderer::order(const View& view) {
   const SortView sort_view{view.homogeneous_eye(), view.forward()};
-  if (state_->sorter) state_->order = state_->sorter->sort(sort_view);
+  if (state_->sorter) {
+    state_->sorter->forget_view();  // what a frame from a new eye costs is of interest
+    state_->order = state_->sorter->sort(sort_view);
+  }
   if (state_->exact_sorter) state_->order = state_->exact_sorter->sort(sort_view);
 }
 

@@ -243,6 +243,7 @@ struct Sorter::State {
   void prepare(std::span<const glm::uvec3> triangles, const StridedPositions& positions);
   bool is_sorted_for(const SortView& other) const;
   void remember(const SortView& sorted_view);
+  void forget_view() { has_view = ids_hold_order = asked_keys_are_current = false; }
   KeySource source() const;
   std::size_t sorted_at_once() const;
   std::size_t reserve_scratch();
@@ -291,7 +292,7 @@ void Sorter::State::prepare(std::span<const glm::uvec3> triangles, const Strided
   if (options.cull_by_clip_planes) {
     compute_blocks(triangles, positions, frame, centroids.size() == 0 ? points[0] : centroids, blocks);
   }
-  has_view = ids_hold_order = asked_keys_are_current = false;
+  forget_view();
 }
 
 bool Sorter::State::is_sorted_for(const SortView& other) const {
@@ -552,6 +553,10 @@ void Sorter::sort_ranges(const SortView& view, std::span<const glm::uvec3> trian
 
 bool Sorter::is_sorted_for(const SortView& view) const {
   return state_->is_sorted_for(view);
+}
+
+void Sorter::forget_view() {
+  state_->forget_view();
 }
 
 std::span<const float> Sorter::keys() {

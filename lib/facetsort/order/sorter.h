@@ -102,9 +102,11 @@ class Sorter {
   // Whether the last sort was of this view and these positions, so that another would give the same: a renderer that
   // still has that index buffer can leave it.
   bool is_sorted_for(const SortView& view) const;
+  // Lets the next call do all of its work whatever its view, as a frame from a new eye does: for timing.
+  void forget_view();
 
   // The key of each facet for the last view sorted, by facet id: larger is farther. Comparable within one view only.
-  // Computed by the first call after a sort. Precondition: something was sorted.
+  // Computed by the first call after a sort. Precondition: something was sorted, and the view not forgotten.
   std::span<const float> keys();
   Method method() const;
   // Bytes that this Sorter holds: what construction made, and with the scratch of the sorting functions.
