@@ -12,6 +12,7 @@
 #include "facetsort/blend/strategy.h"
 #include "facetsort/blend/view.h"
 #include "subjects.h"
+#include "thread_counts.h"
 
 namespace facetsort::bench {
 namespace {
@@ -53,13 +54,11 @@ void register_draw_benchmarks() {
   std::vector<Subject> subjects = shipped_meshes();
   for (const Subject& knot : knots(1000, 1000000)) subjects.push_back(knot);
   const auto add = [](const std::string& stage, const Subject& subject, const Strategy& strategy, PixelFormat format) {
-    for (const int threads : thread_counts()) {
-      const std::string name = stage + (format == PixelFormat::rgba8 ? "/rgba8/" : "/rgba32f/") + subject.name() +
-                               "/threads:" + std::to_string(threads);
-      benchmark::RegisterBenchmark(name.c_str(), draw_frames, subject, strategy, format, threads)
-          ->UseManualTime()
-          ->Unit(benchmark::kMillisecond);
-    }
+    const auto run = [=](benchmark::State& state, int threads) {
+      draw_frames(state, subject, strategy, format, threads);
+    };
+    register_per_thread_count(stage + (format == PixelFormat::rgba8 ? "/rgba8/" : "/rgba32f/") + subject.name(), run,
+                              Clock::manual);
   };
   for (const Subject& subject : subjects) {
     for (const PixelFormat format : {PixelFormat::rgba32f, PixelFormat::rgba8}) {

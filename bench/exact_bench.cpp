@@ -13,6 +13,7 @@
 #include "facetsort/exact/exact_sorter.h"
 #include "facetsort/facets/facets.h"
 #include "subjects.h"
+#include "thread_counts.h"
 
 namespace facetsort::bench {
 namespace {
@@ -52,12 +53,9 @@ void register_exact_benchmarks() {
   std::vector<Subject> subjects = shipped_meshes();
   for (const Subject& knot : knots(10000, 1000000)) subjects.push_back(knot);
   for (const Subject& subject : subjects) {
-    for (const int threads : thread_counts()) {
-      const std::string name = "exact/" + subject.name() + "/threads:" + std::to_string(threads);
-      benchmark::RegisterBenchmark(name.c_str(), sort_frames, subject, threads)
-          ->UseRealTime()
-          ->Unit(benchmark::kMillisecond);
-    }
+    register_per_thread_count("exact/" + subject.name(), [=](benchmark::State& state, int threads) {
+      sort_frames(state, subject, threads);
+    });
   }
 }
 

@@ -15,6 +15,7 @@
 #include "benchmarks.h"
 #include "facetsort/base/parallel.h"
 #include "sort_subjects.h"
+#include "thread_counts.h"
 
 namespace facetsort::bench {
 namespace {
@@ -59,12 +60,8 @@ void stream(benchmark::State& state, const Subject& subject, int threads) {
 
 void register_floor_benchmarks() {
   for (const Subject& subject : spatial_subjects()) {
-    for (const int threads : thread_counts()) {
-      const std::string name = "floor/" + subject.name() + "/threads:" + std::to_string(threads);
-      benchmark::RegisterBenchmark(name.c_str(), stream, subject, threads)
-          ->UseRealTime()
-          ->Unit(benchmark::kMillisecond);
-    }
+    register_per_thread_count("floor/" + subject.name(),
+                              [=](benchmark::State& state, int threads) { stream(state, subject, threads); });
   }
 }
 

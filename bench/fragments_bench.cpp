@@ -10,6 +10,7 @@
 #include "facetsort/blend/fragment_lists.h"
 #include "facetsort/blend/view.h"
 #include "subjects.h"
+#include "thread_counts.h"
 
 namespace facetsort::bench {
 namespace {
@@ -41,12 +42,9 @@ void register_fragment_benchmarks() {
   std::vector<Subject> subjects = shipped_meshes();
   for (const Subject& knot : knots(1000, 1000000)) subjects.push_back(knot);
   for (const Subject& subject : subjects) {
-    for (const int threads : thread_counts()) {
-      const std::string name = "collect_fragments/" + subject.name() + "/threads:" + std::to_string(threads);
-      benchmark::RegisterBenchmark(name.c_str(), collect_frames, subject, threads)
-          ->UseRealTime()
-          ->Unit(benchmark::kMillisecond);
-    }
+    register_per_thread_count("collect_fragments/" + subject.name(), [=](benchmark::State& state, int threads) {
+      collect_frames(state, subject, threads);
+    });
   }
 }
 

@@ -24,6 +24,7 @@
 #include "facetsort/blend/shading.h"
 #include "facetsort/order/sorter.h"
 #include "subjects.h"
+#include "thread_counts.h"
 
 namespace facetsort::bench {
 namespace {
@@ -306,14 +307,14 @@ void draw_or_say_why_not(benchmark::State& state, const Subject& subject, PixelF
 void register_llvmpipe_benchmarks() {
   std::vector<Subject> subjects = shipped_meshes();
   for (const Subject& knot : knots(1000, 1000000)) subjects.push_back(knot);
-  const int threads = thread_counts().back();
   for (const Subject& subject : subjects) {
     for (const PixelFormat format : {PixelFormat::rgba32f, PixelFormat::rgba8}) {
-      const std::string name = std::string("llvmpipe_draw") + (format == PixelFormat::rgba8 ? "/rgba8/" : "/rgba32f/") +
-                               subject.name() + "/threads:" + std::to_string(threads);
-      benchmark::RegisterBenchmark(name.c_str(), draw_or_say_why_not, subject, format, threads)
-          ->UseManualTime()
-          ->Unit(benchmark::kMillisecond);
+      const auto run = [=](benchmark::State& state, int threads) {
+        draw_or_say_why_not(state, subject, format, threads);
+      };
+      register_per_thread_count(
+          std::string("llvmpipe_draw") + (format == PixelFormat::rgba8 ? "/rgba8/" : "/rgba32f/") + subject.name(), run,
+          Clock::manual, {thread_counts().back()});
     }
   }
 }

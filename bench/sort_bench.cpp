@@ -14,6 +14,7 @@
 #include "facetsort/order/method.h"
 #include "facetsort/order/sorter.h"
 #include "sort_subjects.h"
+#include "thread_counts.h"
 
 namespace facetsort::bench {
 namespace {
@@ -83,12 +84,8 @@ void move_positions(benchmark::State& state, const Subject& subject, int threads
 
 void register_sort_benchmarks() {
   const auto add = [](const std::string& name, const Subject& subject, const auto& run) {
-    for (const int threads : thread_counts()) {
-      const std::string full = name + "/" + subject.name() + "/threads:" + std::to_string(threads);
-      benchmark::RegisterBenchmark(full.c_str(), [=](benchmark::State& state) { run(state, subject, threads); })
-          ->UseRealTime()
-          ->Unit(benchmark::kMillisecond);
-    }
+    register_per_thread_count(name + "/" + subject.name(),
+                              [=](benchmark::State& state, int threads) { run(state, subject, threads); });
   };
   for (const Subject& subject : sort_subjects()) {
     add("sort_indices/centroid_distance", subject,

@@ -4,12 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <map>
-#include <numeric>
 #include <random>
 #include <set>
 #include <utility>
 
-#include "facetsort/exact/positions.h"
+#include "exact/point_space.h"
 #include "facetsort/exact/predicates.h"
 #include "facetsort/mesh/mesh.h"
 #include "shapes.h"
@@ -17,14 +16,6 @@
 
 namespace facetsort::exact_internal {
 namespace {
-
-PointSpace space_of(const MeshView& mesh) {
-  PointSpace space{mesh, identify_positions(mesh), std::vector<FacetId>(mesh.facet_count()),
-                   std::vector<unsigned char>(mesh.facet_count()), {}, {}};
-  std::iota(space.plane_of_facet.begin(), space.plane_of_facet.end(), FacetId{0});
-  space.find_facets_around();
-  return space;
-}
 
 PartedFacets part(const MeshView& mesh, std::size_t most_triangles) {
   const PointSpace space = space_of(mesh);

@@ -3,11 +3,10 @@
 
 #include <gtest/gtest.h>
 
-#include <numeric>
 #include <random>
 
+#include "exact/point_space.h"
 #include "facetsort/exact/needless_cuts.h"
-#include "facetsort/exact/positions.h"
 #include "facetsort/exact/predicates.h"
 #include "facetsort/mesh/mesh.h"
 
@@ -38,7 +37,8 @@ class Stack {
   Stack(int count, std::uint32_t seed, const Viewpoint& from)
       : mesh_(stack_of_triangles(count, seed)),
         from_(from),
-        points_(prepared()),
+        space_(space_of(mesh_.view())),
+        points_(space_),
         parts_(points_, from, from.eye.w != 0 ? glm::dvec3(from.eye) : glm::dvec3(0)) {
     for (FacetId f = 0; f < mesh_.triangles.size(); ++f) {
       const MeshView view = mesh_.view();
@@ -64,16 +64,6 @@ class Stack {
   }
 
  private:
-  const PointSpace& prepared() {
-    space_.mesh = mesh_.view();
-    space_.position_of_vertex = identify_positions(mesh_.view());
-    space_.plane_of_facet.resize(mesh_.triangles.size());
-    std::iota(space_.plane_of_facet.begin(), space_.plane_of_facet.end(), FacetId{0});
-    space_.faces_away.assign(mesh_.triangles.size(), 0);
-    space_.find_facets_around();
-    return space_;
-  }
-
   Mesh mesh_;
   Viewpoint from_;
   PointSpace space_;

@@ -4,9 +4,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <numeric>
 
-#include "facetsort/exact/positions.h"
+#include "exact/point_space.h"
 #include "facetsort/exact/predicates.h"
 #include "shapes.h"
 #include "support/threads.h"
@@ -17,7 +16,7 @@ namespace {
 // All facets of a mesh as members of one cycle, and every pair that hides one another.
 class CycleOf {
  public:
-  CycleOf(Mesh mesh, const Viewpoint& from) : mesh_(std::move(mesh)), from_(from), points_(prepared()) {
+  CycleOf(Mesh mesh, const Viewpoint& from) : mesh_(std::move(mesh)), from_(from), space_(space_of(mesh_.view())), points_(space_) {
     for (FacetId f = 0; f < mesh_.triangles.size(); ++f) {
       const MeshView view = mesh_.view();
       const int facing = side_of_plane(view.corner(f, 0), view.corner(f, 1), view.corner(f, 2), from.eye);
@@ -37,7 +36,7 @@ class CycleOf {
 
   const std::vector<HidingPair>& pairs() const { return pairs_; }
   bool has_cycle() const {
-    return ordered_components(list_behind(members_.size(), pairs_)).count() < members_.size();
+    return ComponentFinder().find(list_behind(members_.size(), pairs_)).count() < members_.size();
   }
 
   // Nothing comes after what it should hide behind, each member comes whole or in pieces that cuts leave, and no two
@@ -95,16 +94,6 @@ class CycleOf {
       }
     }
     return reached[to];
-  }
-
-  const PointSpace& prepared() {
-    space_.mesh = mesh_.view();
-    space_.position_of_vertex = identify_positions(mesh_.view());
-    space_.plane_of_facet.resize(mesh_.triangles.size());
-    std::iota(space_.plane_of_facet.begin(), space_.plane_of_facet.end(), FacetId{0});
-    space_.faces_away.assign(mesh_.triangles.size(), 0);
-    space_.find_facets_around();
-    return space_;
   }
 
   Hiding relation_of(const Points& points, const CycleMember& a, const CycleMember& b) const {

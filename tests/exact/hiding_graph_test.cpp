@@ -26,7 +26,7 @@ Lists nested(const NodeLists& lists) {
   return result;
 }
 
-Lists components_of(const Lists& behind) { return nested(ordered_components(flat(behind))); }
+Lists components_of(const Lists& behind) { return nested(ComponentFinder().find(flat(behind))); }
 
 std::vector<HidingPair> random_pairs(std::mt19937& random, std::uint32_t nodes, std::uint32_t most) {
   std::vector<HidingPair> pairs;
@@ -109,8 +109,9 @@ TEST(OrderedComponents, GoDeep) {
     if (i + 1 < count) chain[i] = {i + 1};
     ring[i] = {(i + 1) % count};
   }
-  EXPECT_EQ(ordered_components(flat(chain)).count(), count);
-  EXPECT_EQ(ordered_components(flat(ring)).count(), 1u);
+  ComponentFinder finder;
+  EXPECT_EQ(finder.find(flat(chain)).count(), count);
+  EXPECT_EQ(finder.find(flat(ring)).count(), 1u);
 }
 
 }  // namespace

@@ -5,12 +5,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <random>
 
+#include "exact/point_space.h"
 #include "exact/rational.h"
 #include "facetsort/exact/parts.h"
-#include "facetsort/exact/positions.h"
 #include "shapes.h"
 
 namespace facetsort::exact_internal {
@@ -18,18 +17,6 @@ namespace {
 
 using rational::Number;
 using Exact = rational::Point;
-
-// Space over a mesh, as ExactSorter makes it, with every facet in a plane of its own.
-PointSpace space_of(const Mesh& mesh) {
-  PointSpace space;
-  space.mesh = mesh.view();
-  space.position_of_vertex = identify_positions(mesh.view());
-  space.plane_of_facet.resize(mesh.triangles.size());
-  std::iota(space.plane_of_facet.begin(), space.plane_of_facet.end(), FacetId{0});
-  space.faces_away.assign(mesh.triangles.size(), 0);
-  space.find_facets_around();
-  return space;
-}
 
 struct ExactPlane {
   Exact origin, normal;
@@ -183,7 +170,7 @@ Mesh with_area(const Mesh& mesh) {
 
 TEST_P(PointSigns, AreThoseOfRationalArithmetic) {
   const Mesh mesh = with_area(GetParam().make());
-  const PointSpace space = space_of(mesh);
+  const PointSpace space = space_of(mesh.view());
   Points points(space);
   add_joins(points, 4);
   std::vector<PointId> ids = make_points(points, 150);
@@ -223,7 +210,7 @@ TEST_P(PointSigns, AreThoseOfRationalArithmetic) {
 
 TEST_P(PointSigns, PositionsAreWithinTheirErrors) {
   const Mesh mesh = with_area(GetParam().make());
-  const PointSpace space = space_of(mesh);
+  const PointSpace space = space_of(mesh.view());
   Points points(space);
   const std::vector<PointId> ids = make_points(points, 150);
   const Oracle oracle(points);
@@ -258,7 +245,7 @@ TEST(Points, RoundToTheSameBitsHoweverDefined) {
     mesh.positions[0].z -= 2;
     mesh.positions[1].z += 2;
     mesh.triangles = {{2, 3, 4}, {0, 1, 5}, {1, 0, 6}, {3, 4, 2}};
-    const PointSpace space = space_of(mesh);
+    const PointSpace space = space_of(mesh.view());
     Points points(space);
     if (points.side(0, 0) * points.side(0, 1) >= 0) continue;
     const PointId on_edge = points.add({PointDefinition::edge_and_plane, 0, 1, 0});
@@ -273,7 +260,7 @@ TEST(Points, RoundToTheSameBitsHoweverDefined) {
 
 TEST(Points, OfABaseAreSharedAndTruncated) {
   const Mesh mesh = shapes::soup(4, 3);
-  const PointSpace space = space_of(mesh);
+  const PointSpace space = space_of(mesh.view());
   Points base(space);
   const std::vector<PointId> made = make_points(base, 100);
   ASSERT_GE(made.size(), 2u);
@@ -297,7 +284,7 @@ TEST(CutInTwo, PartsAPolygonAndNamesItsEdges) {
   mesh.positions = {{0, 0, 0}, {4, 0, 0}, {0, 4, 0},  {1, 0, -1}, {1, 1, 1}, {1, -1, 1},
                     {0, 0, 5}, {1, 1, 5}, {-1, 0, 0}, {-1, 1, 0}, {-1, 0, 1}};
   mesh.triangles = {{0, 1, 2}, {3, 4, 5}, {0, 6, 7}, {8, 9, 10}};
-  const PointSpace space = space_of(mesh);
+  const PointSpace space = space_of(mesh.view());
   Points points(space);
   const Polygon whole = whole_facet(space, 0);
   ASSERT_EQ(whole.corners.size(), 3u);

@@ -4,13 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numeric>
 #include <optional>
 #include <random>
 
+#include "exact/point_space.h"
 #include "facetsort/exact/facts.h"
 #include "facetsort/exact/parts.h"
-#include "facetsort/exact/positions.h"
 #include "facetsort/exact/predicates.h"
 #include "shapes.h"
 
@@ -20,7 +19,7 @@ namespace {
 // A mesh and the points over it, every facet in a plane of its own unless said otherwise.
 class Scene {
  public:
-  explicit Scene(Mesh mesh) : mesh_(std::move(mesh)), points_(prepared()) {}
+  explicit Scene(Mesh mesh) : mesh_(std::move(mesh)), space_(space_of(mesh_.view())), points_(space_) {}
   Scene(const Scene&) = delete;
 
   const Mesh& mesh() const { return mesh_; }
@@ -44,16 +43,6 @@ class Scene {
   }
 
  private:
-  const PointSpace& prepared() {
-    space_.mesh = mesh_.view();
-    space_.position_of_vertex = identify_positions(mesh_.view());
-    space_.faces_away.assign(mesh_.triangles.size(), 0);
-    space_.plane_of_facet.resize(mesh_.triangles.size());
-    std::iota(space_.plane_of_facet.begin(), space_.plane_of_facet.end(), FacetId{0});
-    space_.find_facets_around();
-    return space_;
-  }
-
   Mesh mesh_;
   PointSpace space_;
   Points points_;

@@ -402,11 +402,10 @@ class CutAssignment {
   std::vector<unsigned char> cut_first_;
 };
 
-// Cuts one facet along segments in it. The usual step is that of a BSP: the polygon is cut in two along a segment's
-// line. Where two segments meet in a kink inside the polygon, that would extend one of them beyond the kink to a vertex
-// that serves nothing; there the polygon is cut into three wedges instead, by rays from the kink along the segments and
-// to corners of the facet. (A ray to corner c lies in the plane through c and the edge that pierces the facet in the
-// kink.)
+// Cuts one facet along segments in it: along whole chains of them, each from the facet's boundary to its boundary, so that
+// a kink between two segments is but a corner of the faces on both sides; a face that is reflex there is then cut from the
+// kink to another of its corners. Where segments do not make such chains, the step is that of a BSP: the polygon is cut in
+// two along one segment's line, and each half goes on by itself.
 class FacetCutter {
  public:
   // Gives up, and leaves the facet in some of its pieces, where it takes more than `most_cuts`.

@@ -9,8 +9,6 @@ namespace {
 
 constexpr double half_epsilon = std::numeric_limits<double>::epsilon() / 2;
 
-double sum_of_magnitudes(const glm::dvec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); }
-
 }  // namespace
 
 RoundedPlane CycleParts::plane_through_eye(const glm::dvec3& a, const glm::dvec3& b) const {

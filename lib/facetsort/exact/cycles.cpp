@@ -425,7 +425,7 @@ class CycleCutter {
 
   // Adds the components of some parts to what is left to do, the first of them last.
   void order_components(const Component& all) {
-    const NodeLists components = ordered_components(all.behind);
+    const NodeLists& components = component_finder_.find(all.behind);
     std::vector<std::uint32_t> position(all.parts.size());  // in the order
     for (std::uint32_t i = 0; i < position.size(); ++i) position[components.values[i]] = i;
     for (std::size_t end = components.count(); end > 0;) {
@@ -472,6 +472,7 @@ class CycleCutter {
 
   const std::size_t members_, most_cuts_;
   CycleParts parts_;
+  ComponentFinder component_finder_;
   std::size_t cuts_ = 0;
   bool contradiction_ = false;
   std::vector<Component> left_;        // the next last

@@ -4,7 +4,7 @@
 // the Hidden Surface Problem"), but what must come before what is decided exactly, and of all the constraints only those
 // are found that matter (see Precedence): those that the key order breaks, and those that drawing a part ahead of its turn
 // would break. Then the key order is walked, depth first into what a part needs to have been drawn before it: Tarjan's
-// algorithm. The components that it finds are cycles, and are cut.
+// algorithm (see ComponentFinder). The components that it finds are cycles, and are cut.
 #include "facetsort/exact/exact_sorter.h"
 
 #include <tbb/combinable.h>
@@ -21,6 +21,7 @@
 #include "facetsort/exact/crossings.h"
 #include "facetsort/exact/cycles.h"
 #include "facetsort/exact/elements.h"
+#include "facetsort/exact/hiding_graph.h"
 #include "facetsort/exact/positions.h"
 #include "facetsort/exact/precedence.h"
 #include "facetsort/exact/predicates.h"
@@ -142,8 +143,7 @@ struct ExactSorter::State {
   void prepare();
   void forget_last_view();
   void walk();
-  void visit(std::uint32_t root);
-  void finish_component(std::uint32_t rank);
+  void add_cycle(std::span<const std::uint32_t> ranks);
   void fill_in_cycles();
   std::size_t most_triangles() const;
 
@@ -163,21 +163,10 @@ struct ExactSorter::State {
   std::vector<float> keys;  // by draw id
   KeySort key_sort;
   Precedence precedence;
+  ComponentFinder component_finder;
   std::vector<std::uint32_t> order;  // draw ids and cycles
   std::vector<std::uint32_t> filled_order;
   std::vector<Cycle> cycles;
-
-  // Tarjan's algorithm, by rank.
-  struct Visit {
-    std::uint32_t rank;
-    std::size_t next;  // in what is behind it
-  };
-  std::vector<std::uint32_t> number, lowest;  // 0: not visited
-  std::vector<unsigned char> drawn;
-  std::uint32_t visited = 0;
-  std::vector<Visit> visits;
-  std::vector<std::uint32_t> open;
-  std::vector<std::uint32_t> place_in_cycle;
 };
 
 namespace {
@@ -203,10 +192,6 @@ void ExactSorter::State::prepare() {
   elements = make_elements(points, parts, degenerate, parted.uncut_pairs > 0);
   statistics.prepared_pieces = elements.count();
   for (const Part& part : parts.parts) pieces.push_back(piece_of(part));
-  number.assign(elements.count(), 0);
-  lowest.assign(elements.count(), 0);
-  drawn.assign(elements.count(), 0);
-  place_in_cycle.assign(elements.count(), 0);
   order = filled_order = elements.draw_id;
   prepared_triangles = count_triangles(points, parts, order);
   prepared_bytes = bytes_held();
@@ -223,76 +208,32 @@ void ExactSorter::State::forget_last_view() {
 std::size_t ExactSorter::State::bytes_held() const {
   return points.memory_bytes() + parts.memory_bytes() + elements.memory_bytes() +
          bytes_of(space.position_of_vertex, space.plane_of_facet, space.faces_away, space.around_begin, space.around,
-                  degenerate, pieces, number, lowest, drawn, place_in_cycle);
+                  degenerate, pieces);
 }
 
-void ExactSorter::State::finish_component(std::uint32_t rank) {
-  const std::span<const std::uint32_t> element_at = precedence.element_at();
-  if (open.back() == rank) {
-    open.pop_back();
-    drawn[rank] = 1;
-    order.push_back(elements.draw_id[element_at[rank]]);
-    return;
-  }
+void ExactSorter::State::add_cycle(std::span<const std::uint32_t> ranks) {
   Cycle& cycle = cycles.emplace_back();
-  const auto first = std::find(open.rbegin(), open.rend(), rank).base() - 1;
-  std::sort(first, open.end());
-  for (auto member = first; member != open.end(); ++member) {
-    drawn[*member] = 1;
-    place_in_cycle[*member] = static_cast<std::uint32_t>(cycle.elements.size());
-    cycle.elements.push_back(element_at[*member]);
-  }
-  for (auto member = first; member != open.end(); ++member) {
-    for (const std::uint32_t behind : precedence.behind(*member)) {
-      if (std::binary_search(first, open.end(), behind)) {
-        cycle.pairs.push_back({place_in_cycle[behind], place_in_cycle[*member]});
-      }
+  for (std::uint32_t place = 0; place < ranks.size(); ++place) {
+    cycle.elements.push_back(precedence.element_at()[ranks[place]]);
+    for (const std::uint32_t behind : precedence.behind()[ranks[place]]) {
+      const auto found = std::lower_bound(ranks.begin(), ranks.end(), behind);
+      if (found == ranks.end() || *found != behind) continue;
+      cycle.pairs.push_back({static_cast<std::uint32_t>(found - ranks.begin()), place});
     }
   }
-  open.erase(first, open.end());
   order.push_back(cycle_mark | static_cast<std::uint32_t>(cycles.size() - 1));
-}
-
-void ExactSorter::State::visit(std::uint32_t root) {
-  const auto enter = [&](std::uint32_t rank) {
-    number[rank] = lowest[rank] = ++visited;
-    open.push_back(rank);
-    visits.push_back({rank, 0});
-  };
-  enter(root);
-  while (!visits.empty()) {
-    Visit& top = visits.back();
-    const std::uint32_t rank = top.rank;
-    const std::span<const std::uint32_t> behind = precedence.behind(rank);
-    if (top.next < behind.size()) {
-      const std::uint32_t next = behind[top.next++];
-      if (number[next] == 0) {
-        if (!drawn[next]) enter(next);
-      } else if (!drawn[next]) {
-        lowest[rank] = std::min(lowest[rank], number[next]);
-      }
-      continue;
-    }
-    visits.pop_back();
-    if (!visits.empty()) lowest[visits.back().rank] = std::min(lowest[visits.back().rank], lowest[rank]);
-    if (lowest[rank] == number[rank]) finish_component(rank);
-  }
 }
 
 void ExactSorter::State::walk() {
   order.clear();
   cycles.clear();
-  std::fill(number.begin(), number.end(), 0u);
-  std::fill(drawn.begin(), drawn.end(), static_cast<unsigned char>(0));
-  visited = 0;
-  const std::span<const std::uint32_t> element_at = precedence.element_at();
-  for (std::uint32_t rank = 0; rank < element_at.size(); ++rank) {
-    if (drawn[rank]) continue;
-    if (precedence.behind(rank).empty()) {
-      drawn[rank] = 1;
-      order.push_back(elements.draw_id[element_at[rank]]);
+  const NodeLists& components = component_finder.find(precedence.behind());
+  for (std::size_t i = 0; i < components.count(); ++i) {
+    const std::span<const std::uint32_t> ranks = components[i];
+    if (ranks.size() == 1) {
+      order.push_back(elements.draw_id[precedence.element_at()[ranks.front()]]);
     } else {
-      visit(rank);
+      add_cycle(ranks);
     }
   }
 }
@@ -326,7 +267,7 @@ void ExactSorter::State::fill_in_cycles() {
         member.cuts.assign(parts.cuts_of(part).begin(), parts.cuts_of(part).end());
       }
     }
-    ordered[c] = order_cycle(points, screen.viewpoint(), std::move(members), cycles[c].pairs, most_cuts);
+    ordered[c] = order_cycle(points, screen.viewpoint(), members, cycles[c].pairs, most_cuts);
     fallbacks.local() += exact_fallbacks() - before;
   });
   fallbacks.combine_each([&](unsigned long long n) { statistics.predicate_fallbacks += n; });
@@ -426,8 +367,8 @@ std::size_t ExactSorter::prepared_bytes() const { return state_->prepared_bytes;
 std::size_t ExactSorter::memory_bytes() const {
   const State& state = *state_;
   return state.bytes_held() + state.screen.memory_bytes() + state.key_sort.memory_bytes() +
-         state.precedence.memory_bytes() +
-         bytes_of(state.keys, state.order, state.filled_order, state.visits, state.open);
+         state.precedence.memory_bytes() + state.component_finder.memory_bytes() +
+         bytes_of(state.keys, state.order, state.filled_order);
 }
 
 }  // namespace facetsort

@@ -5,6 +5,9 @@
 namespace facetsort::exact_internal {
 namespace {
 
+// In number_: below them are those of open nodes.
+constexpr std::uint32_t unseen = 0xffffffffu, closed = 0xfffffffeu;
+
 // Turns the lengths of lists, each at the place two after its own, into what fill() of each list's next value is to be
 // counted up from: afterwards begin[i + 1] is where list i begins, and once filled, where it ends.
 void begin_lists(std::vector<std::uint32_t>& begin) {
@@ -13,12 +16,18 @@ void begin_lists(std::vector<std::uint32_t>& begin) {
 
 }  // namespace
 
-NodeLists list_behind(std::size_t nodes, std::span<const HidingPair> pairs) {
-  NodeLists lists{std::vector<std::uint32_t>(nodes + 2), std::vector<std::uint32_t>(pairs.size())};
+void list_behind(std::size_t nodes, std::span<const HidingPair> pairs, NodeLists& lists) {
+  lists.begin.assign(nodes + 2, 0);
+  lists.values.resize(pairs.size());
   for (const HidingPair& pair : pairs) ++lists.begin[pair.second + 2];
   begin_lists(lists.begin);
   for (const HidingPair& pair : pairs) lists.values[lists.begin[pair.second + 1]++] = pair.first;
   lists.begin.pop_back();
+}
+
+NodeLists list_behind(std::size_t nodes, std::span<const HidingPair> pairs) {
+  NodeLists lists;
+  list_behind(nodes, pairs, lists);
   return lists;
 }
 
@@ -34,58 +43,67 @@ NodeLists reversed(const NodeLists& lists) {
   return result;
 }
 
-NodeLists ordered_components(const NodeLists& behind) {
-  constexpr std::uint32_t unseen = 0xffffffffu, closed = 0xfffffffeu;
+// Closes what was opened from `root` on.
+void ComponentFinder::add_component(std::uint32_t root) {
+  const std::size_t first = components_.values.size();
+  std::uint32_t member;
+  do {
+    member = open_.back();
+    open_.pop_back();
+    number_[member] = closed;
+    components_.values.push_back(member);
+  } while (member != root);
+  std::sort(components_.values.begin() + static_cast<std::ptrdiff_t>(first), components_.values.end());
+  components_.begin.push_back(static_cast<std::uint32_t>(components_.values.size()));
+}
+
+const NodeLists& ComponentFinder::find(const NodeLists& behind) {
   const std::size_t nodes = behind.count();
-  NodeLists components{{0}, {}};
-  components.values.reserve(nodes);
-  std::vector<std::uint32_t> number(nodes, unseen), lowest(nodes), next(nodes);
-  std::vector<std::uint32_t> open, visits;  // stacks of our own: cycles may go deep
+  components_.begin.assign(1, 0);
+  components_.values.clear();
+  number_.assign(nodes, unseen);
+  lowest_.resize(nodes);
+  next_.resize(nodes);
   std::uint32_t visited = 0;
   const auto enter = [&](std::uint32_t node) {
-    number[node] = lowest[node] = visited++;
-    next[node] = behind.begin[node];
-    open.push_back(node);
-    visits.push_back(node);
+    number_[node] = lowest_[node] = visited++;
+    next_[node] = behind.begin[node];
+    open_.push_back(node);
+    visits_.push_back(node);
   };
   // Goes on with the last visit until that enters another node, which it returns, or ends.
   const auto advance = [&](std::uint32_t node) {
-    for (std::uint32_t i = next[node]; i < behind.begin[node + 1]; ++i) {
+    for (std::uint32_t i = next_[node]; i < behind.begin[node + 1]; ++i) {
       const std::uint32_t other = behind.values[i];
-      if (number[other] == unseen) {
-        next[node] = i + 1;
+      if (number_[other] == unseen) {
+        next_[node] = i + 1;
         return other;
       }
-      lowest[node] = std::min(lowest[node], number[other]);  // that of a closed one is larger than any
+      lowest_[node] = std::min(lowest_[node], number_[other]);  // that of a closed one is larger than any
     }
     return unseen;
   };
   for (std::uint32_t root = 0; root < nodes; ++root) {
-    if (number[root] != unseen) continue;
+    if (number_[root] != unseen) continue;
+    if (behind[root].empty()) {  // so it is with most: a component of its own
+      open_.push_back(root);
+      add_component(root);
+      continue;
+    }
     enter(root);
-    while (!visits.empty()) {
-      const std::uint32_t node = visits.back();
+    while (!visits_.empty()) {
+      const std::uint32_t node = visits_.back();
       const std::uint32_t entered = advance(node);
       if (entered != unseen) {
         enter(entered);
         continue;
       }
-      visits.pop_back();
-      if (!visits.empty()) lowest[visits.back()] = std::min(lowest[visits.back()], lowest[node]);
-      if (lowest[node] != number[node]) continue;
-      const std::size_t first = components.values.size();
-      std::uint32_t member;
-      do {
-        member = open.back();
-        open.pop_back();
-        number[member] = closed;
-        components.values.push_back(member);
-      } while (member != node);
-      std::sort(components.values.begin() + static_cast<std::ptrdiff_t>(first), components.values.end());
-      components.begin.push_back(static_cast<std::uint32_t>(components.values.size()));
+      visits_.pop_back();
+      if (!visits_.empty()) lowest_[visits_.back()] = std::min(lowest_[visits_.back()], lowest_[node]);
+      if (lowest_[node] == number_[node]) add_component(node);
     }
   }
-  return components;
+  return components_;
 }
 
 }  // namespace facetsort::exact_internal

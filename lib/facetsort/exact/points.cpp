@@ -150,8 +150,6 @@ glm::dvec3 exact_position(const Coordinates& coordinates) {
           quotient(point.p.z, point.w, exponent)};
 }
 
-double sum_of_magnitudes(const glm::dvec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); }
-
 // A value and a bound on its error.
 struct Bounded {
   double value, error;

@@ -5,6 +5,7 @@
 // bound on its error, in a filter, and integers where the filter is undecided.
 #pragma once
 
+#include <cmath>
 #include <compare>
 #include <cstddef>
 #include <cstdint>
@@ -18,6 +19,8 @@
 #include "facetsort/mesh/mesh_view.h"
 
 namespace facetsort::exact_internal {
+
+inline double sum_of_magnitudes(const glm::dvec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); }
 
 using FacetId = std::uint32_t;
 using PointId = std::uint32_t;

@@ -1,7 +1,5 @@
 #include "facetsort/exact/precedence.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <utility>
 
@@ -21,8 +19,15 @@ constexpr std::size_t batches = 64;
 
 }  // namespace
 
-// Takes over what the threads found.
-void Precedence::gather() {
+// Calls body(worker, i) for all i below `count`, on all threads, and takes over what they find.
+template <typename Body>
+void Precedence::work(std::size_t count, std::size_t count_per_task, const Body& body) {
+  parallel_ranges(count, count_per_task, [&](std::size_t begin, std::size_t end) {
+    Worker& worker = workers_.local();
+    const unsigned long long fallbacks = exact_fallbacks();
+    for (std::size_t i = begin; i < end; ++i) body(worker, i);
+    worker.fallbacks += exact_fallbacks() - fallbacks;
+  });
   for (Worker& worker : workers_) {
     edges_.insert(edges_.end(), worker.edges.begin(), worker.edges.end());
     worker.edges.clear();
@@ -33,21 +38,14 @@ void Precedence::gather() {
 
 void Precedence::find_broken(const Relation& relation, const Screen& screen, const Elements& elements) {
   const Screenful screenful = screen.screenful(elements);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, screen.leaves(), leaves_per_task),
-                    [&](const tbb::blocked_range<std::size_t>& range) {
-    Worker& worker = workers_.local();
-    const unsigned long long fallbacks = exact_fallbacks();
-    for (std::size_t leaf = range.begin(); leaf < range.end(); ++leaf) {
-      worker.pairs.clear();
-      worker.candidates += collect_pairs(screenful, leaf, worker.pairs);
-      for (const ElementPair& pair : worker.pairs) {
-        const std::uint32_t a = rank_of_[pair.a], b = rank_of_[pair.b];
-        if (relation.is_behind(pair, b < a)) worker.edges.push_back({std::min(a, b), std::max(a, b)});
-      }
+  work(screen.leaves(), leaves_per_task, [&](Worker& worker, std::size_t leaf) {
+    worker.pairs.clear();
+    worker.candidates += collect_pairs(screenful, leaf, worker.pairs);
+    for (const ElementPair& pair : worker.pairs) {
+      const std::uint32_t a = rank_of_[pair.a], b = rank_of_[pair.b];
+      if (relation.is_behind(pair, b < a)) worker.edges.push_back({std::max(a, b), std::min(a, b)});
     }
-    worker.fallbacks += exact_fallbacks() - fallbacks;
   });
-  gather();
   broken_ = edges_.size();
 }
 
@@ -55,7 +53,7 @@ void Precedence::find_broken(const Relation& relation, const Screen& screen, con
 void Precedence::take_in(std::size_t first_edge) {
   next_.resize(edges_.size());
   for (std::size_t i = first_edge; i < edges_.size(); ++i) {
-    next_[i] = std::exchange(first_[edges_[i].before], static_cast<std::uint32_t>(i));
+    next_[i] = std::exchange(first_[edges_[i].second], static_cast<std::uint32_t>(i));
   }
 }
 
@@ -71,7 +69,7 @@ void Precedence::pull() {
     const std::uint32_t before = stack_.back();
     stack_.pop_back();
     for (std::uint32_t i = first_[before]; i != none; i = next_[i]) {
-      const std::uint32_t behind = edges_[i].behind;
+      const std::uint32_t behind = edges_[i].first;
       if (place_[behind] <= place_[before]) continue;
       place_[behind] = place_[before];
       pulled_.push_back(behind);
@@ -85,27 +83,20 @@ void Precedence::pull() {
 // Finds what is behind those that were pulled, among what they were pulled past.
 void Precedence::search(const Relation& relation, const Screen& screen, const Elements& elements) {
   const Screenful screenful = screen.screenful(elements);
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, pulled_.size(), searches_per_task),
-                    [&](const tbb::blocked_range<std::size_t>& range) {
-    Worker& worker = workers_.local();
-    const unsigned long long fallbacks = exact_fallbacks();
-    for (std::size_t i = range.begin(); i < range.end(); ++i) {
-      const std::uint32_t rank = pulled_[i], element = element_at_[rank];
-      const PassedRanks passed{place_[rank], rank, searched_[rank], place_, rank_of_};
-      worker.pairs.clear();
-      ScreenBox box = screen.box(element);
-      box.lowest[of_key] = screen.key(element);
-      box.highest[of_key] = screen.key(element_at_[passed.begin]);
-      collect_passed(screenful, element, box, passed, worker.pairs);
-      for (const ElementPair& pair : worker.pairs) {
-        if (relation.is_behind(pair, false)) worker.edges.push_back({rank, rank_of_[pair.b]});
-      }
-      searched_[rank] = place_[rank];
+  work(pulled_.size(), searches_per_task, [&](Worker& worker, std::size_t i) {
+    const std::uint32_t rank = pulled_[i], element = element_at_[rank];
+    const PassedRanks passed{place_[rank], rank, searched_[rank], place_, rank_of_};
+    ScreenBox box = screen.box(element);
+    box.lowest[of_key] = screen.key(element);
+    box.highest[of_key] = screen.key(element_at_[passed.begin]);
+    worker.pairs.clear();
+    collect_passed(screenful, element, box, passed, worker.pairs);
+    for (const ElementPair& pair : worker.pairs) {
+      if (relation.is_behind(pair, false)) worker.edges.push_back({rank_of_[pair.b], rank});
     }
-    worker.fallbacks += exact_fallbacks() - fallbacks;
+    searched_[rank] = place_[rank];
   });
   searches_ += pulled_.size();
-  gather();
 }
 
 // All that is pulled to the places from `begin` to `end`; what is pulled to those before is known.
@@ -121,26 +112,9 @@ void Precedence::pull_to_places(const Relation& relation, const Screen& screen, 
     search(relation, screen, elements);
     take_in(taken);
     for (std::size_t i = taken; i < edges_.size(); ++i) {
-      if (place_[edges_[i].behind] > place_[edges_[i].before]) stack_.push_back(edges_[i].before);
+      if (place_[edges_[i].first] > place_[edges_[i].second]) stack_.push_back(edges_[i].second);
     }
   }
-}
-
-void Precedence::group_edges() {
-  const std::size_t count = element_at_.size();
-  begin_.assign(count + 1, 0);
-  behind_.resize(edges_.size());
-  if (edges_.empty()) return;
-  for (const Edge& edge : edges_) ++begin_[edge.before + 1];
-  for (std::size_t rank = 0; rank < count; ++rank) begin_[rank + 1] += begin_[rank];
-  for (const Edge& edge : edges_) behind_[begin_[edge.before]++] = edge.behind;
-  for (std::size_t rank = count; rank > 0; --rank) begin_[rank] = begin_[rank - 1];
-  begin_[0] = 0;
-  parallel_ranges(count, ranks_per_task, [&](std::size_t first, std::size_t last) {
-    for (std::size_t rank = first; rank < last; ++rank) {
-      std::sort(behind_.begin() + begin_[rank], behind_.begin() + begin_[rank + 1]);
-    }
-  });
 }
 
 void Precedence::find(const Relation& relation, const Screen& screen, const Elements& elements,
@@ -169,11 +143,17 @@ void Precedence::find(const Relation& relation, const Screen& screen, const Elem
       pull_to_places(relation, screen, elements, begin, std::min(begin + batch, count));
     }
   }
-  group_edges();
+  list_behind(count, edges_, behind_);
+  parallel_ranges(count, ranks_per_task, [&](std::size_t first, std::size_t last) {
+    for (std::size_t rank = first; rank < last; ++rank) {
+      std::sort(behind_.values.begin() + behind_.begin[rank], behind_.values.begin() + behind_.begin[rank + 1]);
+    }
+  });
 }
 
 std::size_t Precedence::memory_bytes() const {
-  return bytes_of(element_at_, rank_of_, edges_, first_, next_, place_, searched_, pulled_, stack_, begin_, behind_);
+  return behind_.memory_bytes() +
+         bytes_of(element_at_, rank_of_, edges_, first_, next_, place_, searched_, pulled_, stack_);
 }
 
 }  // namespace facetsort::exact_internal

@@ -13,6 +13,7 @@
 #include <span>
 #include <vector>
 
+#include "facetsort/exact/hiding_graph.h"
 #include "facetsort/exact/relation.h"
 
 namespace facetsort::exact_internal {
@@ -25,11 +26,8 @@ class Precedence {
 
   // Elements in the order by depth: rank 0 is the farthest.
   std::span<const std::uint32_t> element_at() const { return element_at_; }
-  // The ranks of what is behind the element of a rank and has to be drawn before it, ascending; those left out come
-  // earlier in any case.
-  std::span<const std::uint32_t> behind(std::uint32_t rank) const {
-    return std::span(behind_).subspan(begin_[rank], begin_[rank + 1] - begin_[rank]);
-  }
+  // By rank, the ranks of what is behind and has to be drawn before, ascending; those left out come earlier in any case.
+  const NodeLists& behind() const { return behind_; }
 
   std::size_t candidate_pairs() const { return candidate_pairs_; }
   std::size_t broken() const { return broken_; }
@@ -38,35 +36,31 @@ class Precedence {
   std::size_t memory_bytes() const;
 
  private:
-  // `behind` must be drawn before `before`, whose turn is earlier. By rank.
-  struct Edge {
-    std::uint32_t before, behind;
-  };
   // What one thread finds, and its scratch.
   struct Worker {
-    std::vector<Edge> edges;
+    std::vector<HidingPair> edges;
     std::size_t candidates = 0;
     unsigned long long fallbacks = 0;
     std::vector<ElementPair> pairs;
   };
 
   void find_broken(const Relation& relation, const Screen& screen, const Elements& elements);
-  void gather();
   void take_in(std::size_t first_edge);
   void pull();
   void search(const Relation& relation, const Screen& screen, const Elements& elements);
   void pull_to_places(const Relation& relation, const Screen& screen, const Elements& elements, std::size_t begin,
                       std::size_t end);
-  void group_edges();
+  template <typename Body>
+  void work(std::size_t count, std::size_t count_per_task, const Body& body);
 
   tbb::enumerable_thread_specific<Worker> workers_;
   std::vector<std::uint32_t> element_at_, rank_of_;
-  std::vector<Edge> edges_;
-  std::vector<std::uint32_t> first_, next_;  // lists of edges by `before`: by rank, by edge
+  std::vector<HidingPair> edges_;            // by rank: the first has to be drawn before the second
+  std::vector<std::uint32_t> first_, next_;  // lists of edges by their second: by rank, by edge
   std::vector<std::uint32_t> place_;         // by rank: the rank that the element is pulled to, or its own
   std::vector<std::uint32_t> searched_;      // by rank: the smallest that was searched from
   std::vector<std::uint32_t> pulled_, stack_;  // in the round at hand
-  std::vector<std::uint32_t> begin_, behind_;
+  NodeLists behind_;
   std::size_t candidate_pairs_ = 0, broken_ = 0, searches_ = 0;
   unsigned long long fallbacks_ = 0;
 };

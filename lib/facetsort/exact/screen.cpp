@@ -26,12 +26,11 @@ constexpr float unknown_direction = 4;
 constexpr double nearest_depth = 0x1p-6;
 
 double magnitude(double x, double y) { return std::abs(x) + std::abs(y); }
-double magnitude(const glm::dvec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); }
 
 int eye_side(const Points& points, const FilteredPlane& plane, FacetId facet, const Eye& eye) {
   const glm::dvec3 d = eye.w == 0 ? glm::dvec3(eye) : glm::dvec3(eye) - glm::dvec3(plane.corner);
   const double value = glm::dot(plane.normal, d);
-  if (std::abs(value) > plane.error * magnitude(d)) return value > 0 ? 1 : -1;
+  if (std::abs(value) > plane.error * sum_of_magnitudes(d)) return value > 0 ? 1 : -1;
   const MeshView& mesh = points.space().mesh;
   return side_of_plane(mesh.corner(facet, 0), mesh.corner(facet, 1), mesh.corner(facet, 2), eye);
 }
@@ -78,7 +77,7 @@ void Screen::choose_projection(const Elements& elements, const Eye& eye) {
     unit_ = std::max(distance, 1.0);  // so that a far eye's screen is about as large as the mesh
     largest_ = unit_ / nearest;
   }
-  largest_ *= std::max(magnitude(elements.extent), 1.0);
+  largest_ *= std::max(sum_of_magnitudes(elements.extent), 1.0);
   rounding_ *= 4 * largest_ / std::min(nearest, 1.0);
 }
 
@@ -377,12 +376,12 @@ Seen Screen::compare_parts(std::span<const std::uint32_t, a_extent> a_slots, int
     const glm::dvec3 origin = at(slots[0]);
     const glm::dvec3 u = at(slots[count / 3]) - origin, v = at(slots[2 * count / 3]) - origin;
     const glm::dvec3 normal = towards_eye * facing * glm::cross(u, v);
-    const double su = magnitude(u) + error, sv = magnitude(v) + error;
+    const double su = sum_of_magnitudes(u) + error, sv = sum_of_magnitudes(v) + error;
     bool nearer = true, farther = true;
     for (const std::uint32_t slot : others) {
       if (std::find(slots.begin(), slots.end(), slot) != slots.end()) continue;
       const glm::dvec3 w = at(slot) - origin;
-      const double sw = magnitude(w) + error;
+      const double sw = sum_of_magnitudes(w) + error;
       const double value = glm::dot(normal, w), bound = 2 * error * (su * sv + (su + sv) * sw) + 0x1p-48 * su * sv * sw;
       nearer = nearer && value > bound;
       farther = farther && value < -bound;
@@ -410,7 +409,7 @@ Seen Screen::compare_parts(std::span<const std::uint32_t, a_extent> a_slots, int
 
     std::pair<double, double> outward(const ScreenPoint& point) const {
       const glm::dvec3 r(point.x, point.y, point.nearness);
-      return {glm::dot(normal, r), relative_error * magnitude(r) + error};
+      return {glm::dot(normal, r), relative_error * sum_of_magnitudes(r) + error};
     }
   };
 
@@ -443,7 +442,7 @@ Seen Screen::compare_parts(std::span<const std::uint32_t, a_extent> a_slots, int
   };
   const auto plane_through_eye = [&](std::uint32_t from, std::uint32_t to, int facing) {
     const glm::dvec3 p = at(from), q = at(to);
-    const double sp = magnitude(p) + error, sq = magnitude(q) + error;
+    const double sp = sum_of_magnitudes(p) + error, sq = sum_of_magnitudes(q) + error;
     return EyePlane{static_cast<double>(facing) * glm::cross(p, q), 0x1p-48 * sp * sq + error * (sp + sq), error * sp * sq};
   };
   const auto part = [&](const auto& make_edge) {
