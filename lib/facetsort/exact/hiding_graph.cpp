@@ -60,7 +60,9 @@ void ComponentFinder::add_component(std::uint32_t root) {
 const NodeLists& ComponentFinder::find(const NodeLists& behind) {
   const std::size_t nodes = behind.count();
   components_.begin.assign(1, 0);
+  components_.begin.reserve(nodes + 1);
   components_.values.clear();
+  components_.values.reserve(nodes);
   number_.assign(nodes, unseen);
   lowest_.resize(nodes);
   next_.resize(nodes);
@@ -85,9 +87,10 @@ const NodeLists& ComponentFinder::find(const NodeLists& behind) {
   };
   for (std::uint32_t root = 0; root < nodes; ++root) {
     if (number_[root] != unseen) continue;
-    if (behind[root].empty()) {  // so it is with most: a component of its own
-      open_.push_back(root);
-      add_component(root);
+    if (behind.begin[root] == behind.begin[root + 1]) {  // so it is with most: a component of its own
+      number_[root] = closed;
+      components_.values.push_back(root);
+      components_.begin.push_back(static_cast<std::uint32_t>(components_.values.size()));
       continue;
     }
     enter(root);
