@@ -108,16 +108,20 @@ std::uint64_t hash_of(ExactSorter& sorter, const Mesh& mesh, const SortView& vie
   return hash.value();
 }
 
-std::vector<std::uint64_t> hashes_of(const Mesh& mesh) {
-  ExactSorter sorter(mesh.view());
+std::string order_from_name(OrderFrom from) {
+  return from == OrderFrom::pairs ? "Pairs" : from == OrderFrom::tree ? "Tree" : "TreePieces";
+}
+
+std::vector<std::uint64_t> hashes_of(const Mesh& mesh, OrderFrom from) {
+  ExactSorter sorter(mesh.view(), {.from = from});
   std::vector<std::uint64_t> hashes;
   for (const SortView& view : views_of(mesh)) hashes.push_back(hash_of(sorter, mesh, view));
   return hashes;
 }
 
-std::vector<std::vector<std::uint64_t>> hashes_of_all() {
+std::vector<std::vector<std::uint64_t>> hashes_of_all(OrderFrom from) {
   std::vector<std::vector<std::uint64_t>> hashes;
-  for (const NamedMesh& named : meshes()) hashes.push_back(hashes_of(named.mesh));
+  for (const NamedMesh& named : meshes()) hashes.push_back(hashes_of(named.mesh, from));
   return hashes;
 }
 
@@ -185,12 +189,17 @@ class TrianglesOfFacets {
   }
 
   // Each facet's triangles meet edge to edge, and along an edge of the mesh all facets beside it have the same
-  // vertices.
-  void expect_no_t_junction() const {
+  // vertices. Rounding may close a facet's tip between cuts, whose corner then is no longer in the outline.
+  void expect_no_t_junction(std::size_t most_closed_tips) const {
+    std::size_t closed_tips = 0;
     std::map<std::pair<Position, Position>, std::vector<Position>> vertices_along;
     for (std::uint32_t facet = 0; facet < of_facet_.size(); ++facet) {
       if (degenerate(mesh_, facet)) continue;
       const std::map<Position, Position> next = outline(facet);
+      if (!has_all_corners(facet, next)) {
+        ++closed_tips;
+        continue;
+      }
       Position at = key_of(mesh_.view().corner(facet, 0));
       std::size_t steps = 0;
       for (int side = 0; side < 3; ++side) {
@@ -210,6 +219,7 @@ class TrianglesOfFacets {
       }
       ASSERT_EQ(steps, next.size()) << "facet " << facet << " has a hole";
     }
+    EXPECT_LE(closed_tips, most_closed_tips);
   }
 
  private:
@@ -217,6 +227,11 @@ class TrianglesOfFacets {
   glm::vec3 position(std::size_t triangle, int corner) const {
     const std::uint32_t index = ordered_.triangles[triangle][corner];
     return index < mesh_.positions.size() ? mesh_.positions[index] : vertex(index).position;
+  }
+
+  bool has_all_corners(std::uint32_t facet, const std::map<Position, Position>& next) const {
+    return next.contains(key_of(mesh_.view().corner(facet, 0))) && next.contains(key_of(mesh_.view().corner(facet, 1))) &&
+           next.contains(key_of(mesh_.view().corner(facet, 2)));
   }
 
   // Directed edges of the facet's triangles that no other of them runs along the other way.
@@ -243,10 +258,15 @@ class TrianglesOfFacets {
   std::vector<std::vector<std::size_t>> of_facet_;
 };
 
-TEST(ExactSorter, GivesTrianglesThatAreTheMeshWithoutCracks) {
+class EveryOrder : public testing::TestWithParam<OrderFrom> {};
+INSTANTIATE_TEST_SUITE_P(ExactSorter, EveryOrder,
+                         testing::Values(OrderFrom::pairs, OrderFrom::tree, OrderFrom::tree_pieces),
+                         [](const auto& from) { return order_from_name(from.param); });
+
+TEST_P(EveryOrder, GivesTrianglesThatAreTheMeshWithoutCracks) {
   for (const auto& [name, mesh] : meshes()) {
     SCOPED_TRACE(name);
-    ExactSorter sorter(mesh.view());
+    ExactSorter sorter(mesh.view(), {.from = GetParam()});
     std::size_t cut_vertices = 0;
     for (const SortView& view : views_of(mesh)) {
       sorter.sort(view);
@@ -257,7 +277,7 @@ TEST(ExactSorter, GivesTrianglesThatAreTheMeshWithoutCracks) {
       const TrianglesOfFacets triangles(mesh, ordered);
       triangles.expect_vertices_of_their_facet();
       triangles.expect_whole_areas();
-      triangles.expect_no_t_junction();
+      triangles.expect_no_t_junction(GetParam() == OrderFrom::pairs ? 0 : mesh.triangles.size() / 4);
       if (HasFatalFailure()) return;
     }
     const ExactStatistics& statistics = sorter.statistics();
@@ -267,10 +287,10 @@ TEST(ExactSorter, GivesTrianglesThatAreTheMeshWithoutCracks) {
 }
 
 // The triangles come in the order of the draw ids: the sources, repeats left out, are the facets of the order.
-TEST(ExactSorter, GivesTrianglesInTheOrder) {
+TEST_P(EveryOrder, GivesTrianglesInTheOrder) {
   for (const auto& [name, mesh] : meshes()) {
     SCOPED_TRACE(name);
-    ExactSorter sorter(mesh.view());
+    ExactSorter sorter(mesh.view(), {.from = GetParam()});
     for (const SortView& view : views_of(mesh)) {
       std::vector<std::uint32_t> facets;
       const std::span<const std::uint32_t> order = sorter.sort(view);
@@ -283,11 +303,11 @@ TEST(ExactSorter, GivesTrianglesInTheOrder) {
   }
 }
 
-TEST(ExactSorter, DrawsEveryFacetOnce) {
+TEST_P(EveryOrder, DrawsEveryFacetOnce) {
   for (const auto& [name, mesh] : meshes()) {
     SCOPED_TRACE(name);
     const std::size_t facets = mesh.triangles.size();
-    ExactSorter sorter(mesh.view());
+    ExactSorter sorter(mesh.view(), {.from = GetParam()});
     for (const SortView& view : views_of(mesh)) {
       const std::span<const std::uint32_t> sorted = sorter.sort(view);
       std::vector<std::uint32_t> order(sorted.begin(), sorted.end());
@@ -306,20 +326,20 @@ TEST(ExactSorter, DrawsEveryFacetOnce) {
   }
 }
 
-TEST(ExactSorter, SameOrderForAnyThreadCount) {
-  const auto expected = hashes_of_all();
+TEST_P(EveryOrder, SameOrderForAnyThreadCount) {
+  const auto expected = hashes_of_all(GetParam());
   for (const int threads : {1, 2, 3, 8}) {
-    with_threads(threads, [&] { EXPECT_EQ(hashes_of_all(), expected) << threads << " threads"; });
+    with_threads(threads, [&] { EXPECT_EQ(hashes_of_all(GetParam()), expected) << threads << " threads"; });
   }
 }
 
-TEST(ExactSorter, SameOrderForAnyInstructionSet) {
-  const auto expected = hashes_of_all();
+TEST_P(EveryOrder, SameOrderForAnyInstructionSet) {
+  const auto expected = hashes_of_all(GetParam());
   int tried = 0;
   for (auto remaining = hwy::SupportedTargets(); remaining != 0; remaining &= remaining - 1) {
     hwy::SetSupportedTargetsForTest(remaining & ~(remaining - 1));
     hwy::GetChosenTarget().DeInit();
-    EXPECT_EQ(hashes_of_all(), expected);
+    EXPECT_EQ(hashes_of_all(GetParam()), expected);
     ++tried;
   }
   hwy::SetSupportedTargetsForTest(0);
@@ -327,15 +347,15 @@ TEST(ExactSorter, SameOrderForAnyInstructionSet) {
   EXPECT_GE(tried, 1);
 }
 
-TEST(ExactSorter, UsedAgainGivesWhatAFreshOneGives) {
+TEST_P(EveryOrder, UsedAgainGivesWhatAFreshOneGives) {
   for (const auto& [name, mesh] : meshes()) {
     SCOPED_TRACE(name);
-    ExactSorter used(mesh.view());
+    ExactSorter used(mesh.view(), {.from = GetParam()});
     std::vector<SortView> views = views_of(mesh);
     for (const SortView& view : views) used.sort(view);
     std::reverse(views.begin(), views.end());
     for (const SortView& view : views) {
-      ExactSorter fresh(mesh.view());
+      ExactSorter fresh(mesh.view(), {.from = GetParam()});
       ASSERT_EQ(hash_of(used, mesh, view), hash_of(fresh, mesh, view));
       ASSERT_EQ(used.statistics().triangles, fresh.statistics().triangles);
       ASSERT_EQ(used.statistics().candidate_pairs, fresh.statistics().candidate_pairs);
@@ -344,11 +364,11 @@ TEST(ExactSorter, UsedAgainGivesWhatAFreshOneGives) {
   }
 }
 
-TEST(ExactSorter, HoldsNoMoreWhenAnOrbitIsRepeated) {
+TEST_P(EveryOrder, HoldsNoMoreWhenAnOrbitIsRepeated) {
   for (const auto& [name, mesh] : meshes()) {
     SCOPED_TRACE(name);
     with_threads(1, [&, &mesh = mesh] {
-      ExactSorter sorter(mesh.view());
+      ExactSorter sorter(mesh.view(), {.from = GetParam()});
       EXPECT_GT(sorter.prepared_bytes(), 0u);
       const auto orbit = [&] {
         const AllocationScope scope;
@@ -368,10 +388,10 @@ TEST(ExactSorter, HoldsNoMoreWhenAnOrbitIsRepeated) {
   }
 }
 
-TEST(ExactSorter, MovedSorterGoesOn) {
+TEST_P(EveryOrder, MovedSorterGoesOn) {
   const Mesh mesh = shapes::interpenetrating(1);
   const SortView view = views_of(mesh)[1];
-  ExactSorter first(mesh.view());
+  ExactSorter first(mesh.view(), {.from = GetParam()});
   const std::uint64_t expected = hash_of(first, mesh, view);
   ExactSorter second(std::move(first));
   EXPECT_EQ(hash_of(second, mesh, view), expected);

@@ -1,6 +1,7 @@
 #include "facetsort/exact/elements.h"
 
 #include <tbb/parallel_invoke.h>
+#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <bit>
@@ -23,7 +24,7 @@ struct Item {
 };
 
 // Splits at multiples of whole subtrees of leaves, along the widest of the three coordinates and the radius.
-void sort_spatially(Item* begin, Item* end) {
+void sort_items(Item* begin, Item* end) {
   const std::size_t count = static_cast<std::size_t>(end - begin);
   if (count <= leaf_size) return;
   const auto coordinate = [](const Item& item, int axis) { return axis < 3 ? item.centre[axis] : item.radius; };
@@ -47,22 +48,25 @@ void sort_spatially(Item* begin, Item* end) {
     return x < y || (x == y && a.part < b.part);
   });
   if (count > elements_per_task) {
-    tbb::parallel_invoke([&] { sort_spatially(begin, middle); }, [&] { sort_spatially(middle, end); });
+    tbb::parallel_invoke([&] { sort_items(begin, middle); }, [&] { sort_items(middle, end); });
   } else {
-    sort_spatially(begin, middle);
-    sort_spatially(middle, end);
+    sort_items(begin, middle);
+    sort_items(middle, end);
   }
 }
 
-FilteredPlane filtered_plane(const MeshView& mesh, FacetId facet) {
-  const glm::dvec3 a(mesh.corner(facet, 0));
-  const glm::dvec3 u = glm::dvec3(mesh.corner(facet, 1)) - a, v = glm::dvec3(mesh.corner(facet, 2)) - a;
-  double largest = 0;
-  for (int i = 0; i < 3; ++i) {
-    const int j = (i + 1) % 3, k = (i + 2) % 3;
-    largest = std::max(largest, std::abs(u[j] * v[k]) + std::abs(u[k] * v[j]));
+template <typename Visit>
+void for_each_corner(const Points& points, const PartList& pieces, std::uint32_t part, const Visit& visit) {
+  const std::size_t facets = points.space().mesh.facet_count();
+  if (part < facets) {
+    for (int i = 0; i < 3; ++i) visit(points.space().corner(part, i));
+  } else {
+    for (const PartCorner& corner : pieces.corners_of(pieces.parts[part - facets])) visit(corner.point);
   }
-  return {glm::cross(u, v), 0x1p-49 * largest, mesh.corner(facet, 0)};
+}
+
+glm::dvec3 in_frame(const Points& points, const FacetFrame& frame, PointId point) {
+  return (points.position(point) - frame.origin) * frame.scale;
 }
 
 class Builder {
@@ -70,59 +74,18 @@ class Builder {
   Builder(const Points& points, const PartList& pieces, const std::vector<unsigned char>& degenerate)
       : points_(points), mesh_(points.space().mesh), pieces_(pieces), degenerate_(degenerate) {}
 
-  Elements build(bool crossing_facets_left) {
+  Elements build(std::span<const std::uint32_t> parts, bool with_fans) {
     elements_.frame = facet_frame(facet_bounds(mesh_));
-    const std::vector<Item> items = sorted_items();
-    lay_out(items);
-    find_fans(crossing_facets_left);
+    lay_out(parts);
+    find_fans(with_fans);
     return std::move(elements_);
   }
 
  private:
   std::size_t facets() const { return mesh_.facet_count(); }
 
-  glm::dvec3 in_frame(PointId point) const {
-    return (points_.position(point) - elements_.frame.origin) * elements_.frame.scale;
-  }
-
-  template <typename Visit>
-  void for_each_corner(std::uint32_t part, const Visit& visit) const {
-    if (part < facets()) {
-      for (int i = 0; i < 3; ++i) visit(points_.space().corner(part, i));
-    } else {
-      for (const PartCorner& corner : pieces_.corners_of(pieces_.parts[part - facets()])) visit(corner.point);
-    }
-  }
-
-  std::vector<Item> sorted_items() const {
-    std::vector<unsigned char> is_cut(facets());
-    for (const Part& piece : pieces_.parts) is_cut[piece.facet] = 1;
-    std::vector<Item> items;
-    items.reserve(facets() + pieces_.parts.size());
-    for (std::uint32_t facet = 0; facet < facets(); ++facet) {
-      if (!is_cut[facet]) items.push_back({{}, 0, facet});
-    }
-    for (std::uint32_t piece = 0; piece < pieces_.parts.size(); ++piece) {
-      items.push_back({{}, 0, static_cast<std::uint32_t>(facets()) + piece});
-    }
-    parallel_ranges(items.size(), elements_per_task, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t i = begin; i < end; ++i) {
-        glm::dvec3 lowest(INFINITY), highest(-INFINITY);
-        for_each_corner(items[i].part, [&](PointId point) {
-          lowest = glm::min(lowest, in_frame(point));
-          highest = glm::max(highest, in_frame(point));
-        });
-        const glm::vec3 centre((lowest + highest) / 2.0);
-        for (int k = 0; k < 3; ++k) items[i].centre[k] = centre[k];
-        items[i].radius = static_cast<float>(glm::length(highest - lowest) / 2);
-      }
-    });
-    sort_spatially(items.data(), items.data() + items.size());
-    return items;
-  }
-
-  void lay_out(const std::vector<Item>& items) {
-    const std::size_t count = items.size();
+  void lay_out(std::span<const std::uint32_t> parts) {
+    const std::size_t count = parts.size();
     Elements& e = elements_;
     e.facet.resize(count);
     e.draw_id.resize(count);
@@ -134,11 +97,11 @@ class Builder {
     e.element_of_draw_id.assign(facets() + pieces_.parts.size(), no_element);
     std::vector<std::uint32_t> slot_of(points_.size(), no_element);
     for (std::uint32_t i = 0; i < count; ++i) {
-      const std::uint32_t part = items[i].part;
+      const std::uint32_t part = parts[i];
       e.facet[i] = part < facets() ? part : pieces_.parts[part - facets()].facet;
       e.draw_id[i] = part;
       e.element_of_draw_id[part] = i;
-      for_each_corner(part, [&](PointId point) {
+      for_each_corner(points_, pieces_, part, [&](PointId point) {
         if (slot_of[point] == no_element) {
           slot_of[point] = static_cast<std::uint32_t>(e.slot_point.size());
           e.slot_point.push_back(point);
@@ -159,14 +122,15 @@ class Builder {
     }
     e.slot_position.resize(e.slot_point.size());
     for (std::size_t slot = 0; slot < e.slot_point.size(); ++slot) {
-      e.slot_position[slot] = in_frame(e.slot_point[slot]);
+      e.slot_position[slot] = in_frame(points_, e.frame, e.slot_point[slot]);
       e.extent = glm::max(e.extent, glm::abs(e.slot_position[slot]));
       e.largest_error = std::max(e.largest_error, points_.error(e.slot_point[slot]) * e.frame.scale);
     }
     parallel_ranges(count, elements_per_task, [&](std::size_t begin, std::size_t end) {
       for (std::size_t i = begin; i < end; ++i) {
         e.has_area[i] = !degenerate_[e.facet[i]];
-        e.plane[i] = filtered_plane(mesh_, e.facet[i]);
+        const FacetId f = e.facet[i];
+        e.plane[i] = filtered_plane(mesh_.corner(f, 0), mesh_.corner(f, 1), mesh_.corner(f, 2));
         const auto slots = e.slots(static_cast<std::uint32_t>(i));
         double longest = 0;
         for (const std::uint32_t a : slots) {
@@ -180,7 +144,7 @@ class Builder {
     });
   }
 
-  void find_fans(bool crossing_facets_left) {
+  void find_fans(bool with_fans) {
     Elements& e = elements_;
     const std::size_t slots = e.slot_point.size();
     std::vector<std::uint32_t> begin(slots + 1), around(e.corner_slot.size());
@@ -193,7 +157,7 @@ class Builder {
     std::vector<unsigned char> simple(slots);
     parallel_ranges(slots, elements_per_task, [&](std::size_t first, std::size_t last) {
       for (std::size_t slot = first; slot < last; ++slot) {
-        simple[slot] = !crossing_facets_left &&
+        simple[slot] = with_fans &&
                        is_simple_fan(static_cast<std::uint32_t>(slot),
                                      std::span(around).subspan(begin[slot], begin[slot + 1] - begin[slot]));
       }
@@ -260,12 +224,101 @@ class Builder {
 
 std::size_t Elements::memory_bytes() const {
   return bytes_of(facet, draw_id, has_area, plane, longest_edge_squared, first_corner, corner_point, corner_slot,
-                  first_extra_patch, slot_blocks, slot_point, slot_position, fan_begin, fan_element, element_of_draw_id);
+                  first_extra_patch, slot_blocks, outline_ids, slot_point, slot_position, fan_begin, fan_element, element_of_draw_id);
 }
 
 Elements make_elements(const Points& points, const PartList& pieces, const std::vector<unsigned char>& degenerate,
-                       bool crossing_facets_left) {
-  return Builder(points, pieces, degenerate).build(crossing_facets_left);
+                       std::span<const std::uint32_t> parts, bool with_fans) {
+  return Builder(points, pieces, degenerate).build(parts, with_fans);
+}
+
+void find_outline_ids(const Points& points, const PartList& pieces, Elements& elements) {
+  const PointSpace& space = points.space();
+  const std::size_t facets = space.mesh.facet_count();
+  // The line of an edge: two vertices, or two planes and a bit that tells them from vertices.
+  using LineKey = std::uint64_t;
+  const auto key_of = [](std::uint32_t a, std::uint32_t b) { return LineKey{std::min(a, b)} << 32 | std::max(a, b); };
+  std::vector<LineKey> line_of_edge(elements.corner_slot.size());
+  parallel_ranges(elements.count(), elements_per_task, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      const std::uint32_t part = elements.draw_id[i];
+      LineKey* line = &line_of_edge[elements.first_corner[i]];
+      if (part < facets) {
+        for (int k = 0; k < 3; ++k) *line++ = key_of(space.corner(part, k), space.corner(part, (k + 1) % 3));
+        continue;
+      }
+      const Part& piece = pieces.parts[part - facets];
+      for (const PartCorner& corner : pieces.corners_of(piece)) {
+        if (is_facet_edge(corner.line)) {
+          const auto [a, b] = edge_vertices(space, piece.facet, corner.line);
+          *line++ = key_of(a, b);
+        } else {
+          *line++ = key_of(points.same_plane(piece.facet), points.same_plane(corner.line)) | LineKey{1} << 63;
+        }
+      }
+    }
+  });
+  std::vector<LineKey> lines = line_of_edge;
+  tbb::parallel_sort(lines);
+  lines.erase(std::unique(lines.begin(), lines.end()), lines.end());
+
+  elements.outline_ids.resize(elements.count() + elements.first_extra_patch.back());
+  parallel_ranges(elements.count(), elements_per_task, [&](std::size_t begin, std::size_t end) {
+    std::vector<std::uint32_t> line;
+    for (std::size_t i = begin; i < end; ++i) {
+      const auto slots = elements.slots(static_cast<std::uint32_t>(i));
+      const std::size_t count = slots.size();
+      line.resize(count);
+      for (std::size_t k = 0; k < count; ++k) {
+        const LineKey key = line_of_edge[elements.first_corner[i] + k];
+        line[k] = static_cast<std::uint32_t>(std::lower_bound(lines.begin(), lines.end(), key) - lines.begin());
+      }
+      const auto set = [&](OutlineIds& ids, int k, std::size_t corner, std::size_t next) {
+        ids.slot[k] = slots[corner];
+        ids.after[k] = line[corner];
+        ids.before[k] = line[(corner + count - 1) % count];
+        ids.edge[k] = next == (corner + 1) % count ? line[corner] : OutlineIds::no_line;
+      };
+      const std::uint32_t extra = elements.first_extra_patch[i];
+      OutlineIds* ids = count <= 4 ? &elements.outline_ids[i] : &elements.outline_ids[elements.count() + extra];
+      const std::size_t outlines = count <= 4 ? 1 : elements.first_extra_patch[i + 1] - extra;
+      for (std::size_t j = 0; j < outlines; ++j, ++ids) {
+        const std::size_t corner[4] = {0, 2 * j + 1, 2 * j + 2, std::min(2 * j + 3, count - 1)};
+        for (int k = 0; k < 4; ++k) set(*ids, k, corner[k], corner[(k + 1) % 4]);
+      }
+    }
+  });
+}
+
+std::vector<std::uint32_t> parts_to_draw(const PartList& pieces, std::size_t facet_count) {
+  std::vector<unsigned char> is_cut(facet_count);
+  for (const Part& piece : pieces.parts) is_cut[piece.facet] = 1;
+  std::vector<std::uint32_t> parts;
+  for (std::uint32_t facet = 0; facet < facet_count; ++facet) {
+    if (!is_cut[facet]) parts.push_back(facet);
+  }
+  for (std::size_t piece = 0; piece < pieces.parts.size(); ++piece) {
+    parts.push_back(static_cast<std::uint32_t>(facet_count + piece));
+  }
+  return parts;
+}
+
+void sort_spatially(const Points& points, const PartList& pieces, std::vector<std::uint32_t>& parts) {
+  const FacetFrame frame = facet_frame(facet_bounds(points.space().mesh));
+  std::vector<Item> items(parts.size());
+  parallel_ranges(items.size(), elements_per_task, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      glm::dvec3 lowest(INFINITY), highest(-INFINITY);
+      for_each_corner(points, pieces, parts[i], [&](PointId point) {
+        lowest = glm::min(lowest, in_frame(points, frame, point));
+        highest = glm::max(highest, in_frame(points, frame, point));
+      });
+      const glm::vec3 centre((lowest + highest) / 2.0);
+      items[i] = {{centre.x, centre.y, centre.z}, static_cast<float>(glm::length(highest - lowest) / 2), parts[i]};
+    }
+  });
+  sort_items(items.data(), items.data() + items.size());
+  for (std::size_t i = 0; i < parts.size(); ++i) parts[i] = items[i].part;
 }
 
 }  // namespace facetsort::exact_internal

@@ -7,6 +7,7 @@
 #include <span>
 #include <vector>
 
+#include "facetsort/exact/filtered_plane.h"
 #include "facetsort/exact/pair_kernels.h"
 #include "facetsort/exact/parts.h"
 #include "facetsort/exact/points.h"
@@ -16,16 +17,7 @@ namespace facetsort::exact_internal {
 
 inline constexpr std::uint32_t no_element = 0xffffffffu;
 
-// The plane of a facet with a bound for its filter: with d = eye - corner (or the direction of an orthographic eye),
-// dot(normal, d) has the sign of the eye's side where it exceeds `error` times the sum of d's magnitudes.
-struct FilteredPlane {
-  glm::dvec3 normal;
-  double error;
-  glm::vec3 corner;
-};
-
-// Whole facets and pieces, in an order in which neighbours in space are neighbours in memory: each run of 8, of 64, of
-// 512 ... elements is compact. Points are renumbered by first use as slots.
+// Whole facets and pieces. Points are renumbered by first use as slots.
 struct Elements {
   std::size_t count() const { return facet.size(); }
   std::span<const PointId> corners(std::uint32_t element) const {
@@ -52,18 +44,30 @@ struct Elements {
   std::vector<std::uint32_t> first_extra_patch;  // count() + 1: patches of those with more than four corners
 
   std::vector<SlotBlock> slot_blocks;
+  std::vector<OutlineIds> outline_ids;  // see Outlines; only where asked for
   std::vector<PointId> slot_point;
   std::vector<glm::dvec3> slot_position;  // in the frame
   // The elements around a slot where those form a simple fan (see below), else none; slots + 1 begins.
   std::vector<std::uint32_t> fan_begin, fan_element;
 
-  std::vector<std::uint32_t> element_of_draw_id;  // or no_element: facets that were cut
+  std::vector<std::uint32_t> element_of_draw_id;  // or no_element
 };
 
 // A simple fan: whole facets with area around a vertex, each sharing an edge with the next, wound alike, closed, no two
 // others in one plane. Such a fan does not cross itself, so where all its facets face the same way they do not overlap on
 // the screen: their outline around the vertex is a simple closed curve in an annulus, which winds once at most.
+//
+// `parts`: the draw ids of all elements, in their order. Fans are only found where no facets cross.
 Elements make_elements(const Points& points, const PartList& pieces, const std::vector<unsigned char>& degenerate,
-                       bool crossing_facets_left);
+                       std::span<const std::uint32_t> parts, bool with_fans);
+
+// Fills in outline_ids.
+void find_outline_ids(const Points& points, const PartList& pieces, Elements& elements);
+
+// Draw ids of all facets that have no pieces, and all pieces.
+std::vector<std::uint32_t> parts_to_draw(const PartList& pieces, std::size_t facet_count);
+// Puts parts in an order in which neighbours in space are neighbours in memory: each run of 8, of 64, of 512 ... is
+// compact.
+void sort_spatially(const Points& points, const PartList& pieces, std::vector<std::uint32_t>& parts);
 
 }  // namespace facetsort::exact_internal

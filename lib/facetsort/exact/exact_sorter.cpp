@@ -15,6 +15,7 @@
 #include <chrono>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "facetsort/base/parallel.h"
@@ -26,7 +27,9 @@
 #include "facetsort/exact/precedence.h"
 #include "facetsort/exact/predicates.h"
 #include "facetsort/exact/relation.h"
+#include "facetsort/exact/order_tree.h"
 #include "facetsort/exact/screen.h"
+#include "facetsort/exact/tree_order.h"
 #include "facetsort/exact/triangulation.h"
 #include "facetsort/order/key_sort.h"
 
@@ -37,6 +40,9 @@ using namespace exact_internal;
 namespace {
 
 constexpr std::size_t facets_per_task = 4096;
+
+// Beyond this a tree costs more than it saves.
+constexpr std::size_t most_tree_cuts_per_part = 8;
 
 using Clock = std::chrono::steady_clock;
 
@@ -141,6 +147,7 @@ struct ExactSorter::State {
 
   std::size_t bytes_held() const;
   void prepare();
+  bool prepare_tree(std::span<const std::uint32_t> drawn);
   void forget_last_view();
   void walk();
   void add_cycle(std::span<const std::uint32_t> ranks);
@@ -156,12 +163,16 @@ struct ExactSorter::State {
   std::vector<Piece> pieces;     // the same, for drawing
   bool triangles_counted = false;  // of the last view
   std::size_t prepared_pieces = 0, prepared_points = 0, prepared_triangles = 0, prepared_bytes = 0;
+  std::optional<OrderTree> tree;
+  std::vector<std::uint32_t> without_area;  // draw ids, where there is a tree
   Elements elements;
   ExactStatistics statistics;
 
   Screen screen;
   std::vector<float> keys;  // by draw id
   KeySort key_sort;
+  TreeWalk tree_walk;
+  RejoinedOrder rejoined_order;
   Precedence precedence;
   ComponentFinder component_finder;
   std::vector<std::uint32_t> order;  // draw ids and cycles
@@ -184,18 +195,52 @@ void ExactSorter::State::prepare() {
   const Clock::time_point start = Clock::now();
   PartedFacets parted = part_crossing_facets(points, degenerate, most_triangles());
   parts = std::move(parted.pieces);
-  prepared_pieces = parts.parts.size();
-  prepared_points = points.size();
   statistics.crossing_pairs = parted.crossing_pairs;
   statistics.crossing_pairs_uncut = parted.uncut_pairs;
   statistics.prepared_cuts = parted.cuts;
-  elements = make_elements(points, parts, degenerate, parted.uncut_pairs > 0);
-  statistics.prepared_pieces = elements.count();
+  std::vector<std::uint32_t> drawn = parts_to_draw(parts, mesh.facet_count());
+  statistics.prepared_pieces = drawn.size();
+  prepared_triangles = count_triangles(points, parts, drawn);
+  if (options.from == OrderFrom::pairs || parted.uncut_pairs > 0 || !prepare_tree(drawn)) {
+    sort_spatially(points, parts, drawn);
+    elements = make_elements(points, parts, degenerate, drawn, parted.uncut_pairs == 0);
+  }
+  prepared_pieces = parts.parts.size();
+  prepared_points = points.size();
   for (const Part& part : parts.parts) pieces.push_back(piece_of(part));
-  order = filled_order = elements.draw_id;
-  prepared_triangles = count_triangles(points, parts, order);
+  order = filled_order = std::move(drawn);
   prepared_bytes = bytes_held();
   statistics.prepare_ms = milliseconds_since(start);
+}
+
+// Builds the tree, and elements in its order, or returns false.
+bool ExactSorter::State::prepare_tree(std::span<const std::uint32_t> drawn) {
+  std::vector<std::uint32_t> with_area;
+  for (const std::uint32_t part : drawn) {
+    (part < mesh.facet_count() && degenerate[part] ? without_area : with_area).push_back(part);
+  }
+  // A cut makes two parts of one and two corners that neighbours take part in: four triangles at most.
+  const std::size_t limit = most_triangles();
+  const std::size_t allowed = limit > prepared_triangles ? (limit - prepared_triangles) / 4 : 0;
+  tree = build_order_tree(points, parts, with_area, std::min(allowed, most_tree_cuts_per_part * with_area.size()));
+  if (!tree) {
+    without_area.clear();
+    return false;
+  }
+  statistics.tree_nodes = tree->nodes.size();
+  statistics.tree_cuts = tree->halvings.size();
+  const bool in_pieces = options.from == OrderFrom::tree_pieces;
+  tree_walk.prepare(points, *tree, in_pieces ? 1 : RejoinedOrder::places_per_block);
+  if (in_pieces) return true;
+  std::vector<std::uint32_t> all = without_area;
+  for (const OrderTree::Node& node : tree->nodes) {
+    for (const std::uint32_t part : tree->members_of(node)) all.push_back(part);
+    for (const OrderTree::Halving& halving : tree->halvings_of(node)) all.push_back(halving.whole);
+  }
+  elements = make_elements(points, parts, degenerate, all, false);
+  find_outline_ids(points, parts, elements);
+  rejoined_order.prepare(*tree, elements);
+  return true;
 }
 
 void ExactSorter::State::forget_last_view() {
@@ -208,7 +253,8 @@ void ExactSorter::State::forget_last_view() {
 std::size_t ExactSorter::State::bytes_held() const {
   return points.memory_bytes() + parts.memory_bytes() + elements.memory_bytes() +
          bytes_of(space.position_of_vertex, space.plane_of_facet, space.faces_away, space.around_begin, space.around,
-                  degenerate, pieces);
+                  degenerate, pieces, without_area) +
+         (tree ? tree->memory_bytes() : 0) + tree_walk.prepared_bytes() + rejoined_order.prepared_bytes();
 }
 
 void ExactSorter::State::add_cycle(std::span<const std::uint32_t> ranks) {
@@ -330,9 +376,32 @@ std::span<const std::uint32_t> ExactSorter::sort(const SortView& view) {
     milliseconds = milliseconds_since(start);
     start = Clock::now();
   };
+  if (state.tree) {
+    state.order.assign(state.without_area.begin(), state.without_area.end());
+    if (state.options.from == OrderFrom::tree_pieces) {
+      read_pieces(state.tree_walk, view.eye, state.order);
+      statistics.view_cuts = statistics.tree_cuts;
+    } else {
+      state.screen.look(state.points, state.elements, view.eye, state.keys);
+      lap(statistics.project_ms);
+      const Relation relation(state.points, state.parts, state.elements, state.screen);
+      state.rejoined_order.find(state.tree_walk, relation, state.screen, state.elements, state.order);
+      const RejoiningCounts& counts = state.rejoined_order.counts();
+      statistics.candidate_pairs = counts.candidate_pairs;
+      statistics.searches = counts.tried;
+      statistics.predicate_fallbacks = counts.fallbacks;
+      statistics.rejoined_cuts = counts.rejoined;
+      statistics.view_cuts = statistics.tree_cuts - statistics.rejoined_cuts;
+    }
+    lap(statistics.order_ms);
+    statistics.pieces = state.order.size();
+    state.triangles_counted = false;
+    return state.order;
+  }
   state.screen.look(state.points, state.elements, view.eye, state.keys);
-  lap(statistics.project_ms);
   const Relation relation(state.points, state.parts, state.elements, state.screen);
+  state.screen.prepare_search(state.elements);
+  lap(statistics.project_ms);
   state.precedence.find(relation, state.screen, state.elements, state.key_sort.sort(state.keys));
   statistics.candidate_pairs = state.precedence.candidate_pairs();
   statistics.constraints = state.precedence.broken();
@@ -367,7 +436,8 @@ std::size_t ExactSorter::prepared_bytes() const { return state_->prepared_bytes;
 std::size_t ExactSorter::memory_bytes() const {
   const State& state = *state_;
   return state.bytes_held() + state.screen.memory_bytes() + state.key_sort.memory_bytes() +
-         state.precedence.memory_bytes() + state.component_finder.memory_bytes() +
+         state.tree_walk.memory_bytes() - state.tree_walk.prepared_bytes() +
+         state.rejoined_order.memory_bytes() - state.rejoined_order.prepared_bytes() + state.precedence.memory_bytes() + state.component_finder.memory_bytes() +
          bytes_of(state.keys, state.order, state.filled_order);
 }
 

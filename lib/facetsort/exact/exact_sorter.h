@@ -14,10 +14,24 @@
 
 namespace facetsort {
 
+// What the order of each view is found from.
+enum class OrderFrom {
+  // Pairs of facets that overlap on the screen, and cuts of what hides each other in cycles: few pieces, and nothing but
+  // facets that intersect has to be looked at before the first view.
+  pairs,
+  // A tree of planes over all facets, built once (a binary space partition). What its planes cut is put together again as
+  // far as the view allows. For meshes with many intersections and cycles, in positions that stay.
+  tree,
+  // The same tree, and facets left in the pieces that it cuts: by far the fastest, with the most pieces.
+  tree_pieces,
+};
+
 struct ExactOptions {
   // Most triangles out over facets in. Where it is reached, facets that intersect or hide each other in a cycle stay
   // whole, and are counted as unordered.
   double max_growth = 64;
+  // Pairs in any case where max_growth leaves facets unordered, or is too little for a tree.
+  OrderFrom from = OrderFrom::pairs;
 };
 
 // What was done, in the manner of a solver's log. Times are wall clock.
@@ -27,6 +41,8 @@ struct ExactStatistics {
   std::size_t crossing_pairs_uncut = 0;   // of those, left because of max_growth: a lower bound of the conflicts
   std::size_t prepared_cuts = 0;          // cuts that part them
   std::size_t prepared_pieces = 0;        // pieces and whole facets after these cuts
+  std::size_t tree_nodes = 0;             // of the tree; 0: there is none
+  std::size_t tree_cuts = 0;              // cuts by its planes
   double prepare_ms = 0;
 
   // For the last view.
@@ -36,7 +52,8 @@ struct ExactStatistics {
   std::size_t components = 0;             // groups of pieces that hide each other in cycles
   std::size_t pieces_in_cycles = 0;
   std::size_t largest_component = 0;
-  std::size_t view_cuts = 0;              // cuts that break cycles
+  std::size_t rejoined_cuts = 0;          // cuts by the tree's planes whose halves come together
+  std::size_t view_cuts = 0;              // cuts that break cycles; of the tree's, those whose halves stay apart
   std::size_t unordered_pairs = 0;        // constraints left broken because of max_growth
   std::size_t predicate_fallbacks = 0;    // decisions that took multiple-precision integers
   std::size_t pieces = 0;                 // pieces and whole facets drawn
@@ -61,11 +78,12 @@ struct OrderedTriangles {
 };
 
 // Construction does what does not depend on the view: facets that pass through each other are cut apart, and a
-// hierarchy over all pieces is built. sort() then finds pairs that overlap on the screen and in depth, decides each by
-// exact signs, orders them, and cuts only what hides each other in a cycle.
+// hierarchy over all pieces is built, or a tree. sort() then finds pairs that overlap on the screen and in depth, decides
+// each by exact signs, orders them, and cuts only what hides each other in a cycle; or it walks the tree.
 //
-// Facets without area and facets seen edge-on hide nothing and are hidden by nothing: they come by their depth alone.
-// Facets in one plane, duplicates among them, make no constraint either: they come by depth, then by smaller id.
+// Facets without area and facets seen edge-on hide nothing and are hidden by nothing: from pairs, they come by their depth
+// alone; from a tree, those without area first. Facets in one plane, duplicates among them, make no constraint either: from
+// pairs, they come by depth, then by smaller id.
 // The order is the same for any thread count and instruction set.
 //
 // One thread at a time; works in parallel in the caller's task arena. The mesh's arrays must outlive it.

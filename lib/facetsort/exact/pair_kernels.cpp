@@ -5,9 +5,12 @@
 #include <hwy/foreach_target.h>  // must come before highway.h
 #include <hwy/highway.h>
 
+#include <algorithm>
 #include <bit>
 #include <cstring>
 #include <limits>
+#include <optional>
+#include <utility>
 
 HWY_BEFORE_NAMESPACE();
 namespace facetsort::exact_internal::HWY_NAMESPACE {
@@ -35,6 +38,22 @@ HWY_INLINE unsigned overlapping(const BoxBlock& block, const ScreenBox& box) {
     };
     auto all = overlap_in(dimension);
     for (const std::size_t d : {across, down, diagonal, other_diagonal}) all = hn::And(all, overlap_in(d));
+    result |= bits_of(tag, all) << at;
+  }
+  return result;
+}
+
+// The same on the screen alone.
+HWY_INLINE unsigned overlapping(const PlaceBlock& block, const ScreenBox& box) {
+  const Floats tag;
+  unsigned result = 0;
+  for (std::size_t at = 0; at < PlaceBlock::size; at += hn::Lanes(tag)) {
+    const auto overlap_in = [&](std::size_t d) HWY_ATTR {
+      return hn::And(hn::Le(hn::Load(tag, block.lowest[d] + at), hn::Set(tag, box.highest[d])),
+                     hn::Le(hn::Set(tag, box.lowest[d]), hn::Load(tag, block.highest[d] + at)));
+    };
+    auto all = overlap_in(across);
+    for (const std::size_t d : {down, diagonal, other_diagonal}) all = hn::And(all, overlap_in(d));
     result |= bits_of(tag, all) << at;
   }
   return result;
@@ -374,6 +393,151 @@ void CollectPassed(const Screenful& screen, std::uint32_t element, const ScreenB
   filter.finish();
 }
 
+// The edges of an outline, one in each lane, for points relative to an origin: outward(p) > 0 on the outer side.
+struct EdgeLanes {
+  using Four = hn::CappedTag<float, 4>;
+
+  alignas(16) float x[4], y[4], offset[4];
+  alignas(16) std::uint32_t from[4], to[4], line[4];
+
+  HWY_INLINE EdgeLanes(const OutlineIds& ids, const OutlinePlaces& places, float facing, float origin_x, float origin_y) {
+    for (int i = 0; i < 4; ++i) {
+      const int next = (i + 1) % 4;
+      x[i] = facing * (places.x[next] - places.x[i]);
+      y[i] = facing * (places.y[next] - places.y[i]);
+      offset[i] = y[i] * (places.x[i] - origin_x) - x[i] * (places.y[i] - origin_y);
+      from[i] = ids.slot[i];
+      to[i] = ids.slot[next];
+      line[i] = ids.edge[i];
+    }
+  }
+};
+
+// Whether some edge has all of another outline on its outer side: apart; overlapping where none has, as far as it is
+// certain. Corners that are known to lie on an edge's line are on neither side.
+HWY_INLINE Seen::Overlap overlap_by_edges(const EdgeLanes& edges, const OutlineIds& ids, const OutlinePlaces& places,
+                                          float origin_x, float origin_y, float bound) {
+  const EdgeLanes::Four tag;
+  const hn::RebindToUnsigned<EdgeLanes::Four> id_tag;
+  bool some_apart = false, all_inside = true;
+  for (std::size_t at = 0; at < 4; at += hn::Lanes(tag)) {
+    const auto x = hn::Load(tag, edges.x + at), y = hn::Load(tag, edges.y + at);
+    const auto offset = hn::Load(tag, edges.offset + at), outer = hn::Set(tag, bound), inner = hn::Set(tag, -bound);
+    const auto from = hn::Load(id_tag, edges.from + at), to = hn::Load(id_tag, edges.to + at);
+    const auto line = hn::Load(id_tag, edges.line + at);
+    auto outside = hn::RebindMask(tag, hn::Ne(from, to));  // the last corner of a triangle comes twice
+    auto inside = hn::Not(outside);
+    for (int k = 0; k < 4; ++k) {
+      const auto slot = hn::Set(id_tag, ids.slot[k]);
+      const auto on_line = hn::RebindMask(
+          tag, hn::Or(hn::Or(hn::Eq(from, slot), hn::Eq(to, slot)),
+                      hn::Or(hn::Eq(line, hn::Set(id_tag, ids.after[k])), hn::Eq(line, hn::Set(id_tag, ids.before[k])))));
+      const auto outward = hn::MulAdd(x, hn::Set(tag, places.y[k] - origin_y),
+                                      hn::NegMulAdd(y, hn::Set(tag, places.x[k] - origin_x), offset));
+      outside = hn::And(outside, hn::Or(on_line, hn::Gt(outward, outer)));
+      inside = hn::Or(inside, hn::AndNot(on_line, hn::Lt(outward, inner)));
+    }
+    some_apart = some_apart || !hn::AllFalse(tag, outside);
+    all_inside = all_inside && hn::AllTrue(tag, inside);
+  }
+  return some_apart ? Seen::apart : all_inside ? Seen::overlapping : Seen::either;
+}
+
+// What is certain of the overlap of one element with others.
+class OverlapFilter {
+ public:
+  HWY_INLINE OverlapFilter(const Outlines& outlines, std::uint32_t element) : outlines_(outlines), element_(element) {
+    if (!outlines.places.empty() && !has_several(element)) single_.emplace(edges_of(element, element));
+  }
+
+  HWY_INLINE Seen::Overlap operator()(std::uint32_t other) const {
+    if (outlines_.places.empty()) return Seen::not_compared;
+    const float span = outlines_.span[element_] + outlines_.span[other];
+    const float bound = 4 * outlines_.rounding * (outlines_.rounding + span);
+    if (single_ && !has_several(other)) return compare(*single_, element_, other, other, bound);
+    return compare_several(other, bound);
+  }
+
+ private:
+  bool has_several(std::uint32_t element) const {
+    return outlines_.first_extra[element] != outlines_.first_extra[element + 1];
+  }
+
+  // Of outline `outline` of an element, relative to the first corner of this one's own.
+  HWY_INLINE EdgeLanes edges_of(std::uint32_t element, std::uint32_t outline) const {
+    return EdgeLanes(outlines_.ids[outline], outlines_.places[outline], outlines_.facing[element], origin_x(), origin_y());
+  }
+  float origin_x() const { return outlines_.places[element_].x[0]; }
+  float origin_y() const { return outlines_.places[element_].y[0]; }
+
+  HWY_INLINE Seen::Overlap compare(const EdgeLanes& edges, std::uint32_t outline, std::uint32_t other,
+                                   std::uint32_t other_outline, float bound) const {
+    const Seen::Overlap by_own = overlap_by_edges(edges, outlines_.ids[other_outline], outlines_.places[other_outline],
+                                                  origin_x(), origin_y(), bound);
+    if (by_own == Seen::apart) return by_own;
+    const Seen::Overlap by_other = overlap_by_edges(edges_of(other, other_outline), outlines_.ids[outline],
+                                                    outlines_.places[outline], origin_x(), origin_y(), bound);
+    return by_other == Seen::overlapping ? by_own : by_other;
+  }
+
+  HWY_NOINLINE Seen::Overlap compare_several(std::uint32_t other, float bound) const {
+    const auto outlines_of = [&](std::uint32_t element) {
+      const auto elements = static_cast<std::uint32_t>(outlines_.facing.size());
+      const std::uint32_t first = outlines_.first_extra[element], last = outlines_.first_extra[element + 1];
+      return first == last ? std::pair{element, element + 1} : std::pair{elements + first, elements + last};
+    };
+    const auto [first, last] = outlines_of(element_);
+    const auto [other_first, other_last] = outlines_of(other);
+    Seen::Overlap result = Seen::apart;
+    for (std::uint32_t i = first; i < last; ++i) {
+      const EdgeLanes edges = edges_of(element_, i);
+      for (std::uint32_t k = other_first; k < other_last; ++k) {
+        const Seen::Overlap found = compare(edges, i, other, k, bound);
+        if (found == Seen::overlapping) return found;
+        if (found == Seen::either) result = found;
+      }
+    }
+    return result;
+  }
+
+  const Outlines& outlines_;
+  const std::uint32_t element_;
+  std::optional<EdgeLanes> single_;
+};
+
+// The bits of a block of eight, each of which stands for `each` places, that have some from `begin` to `end`.
+HWY_INLINE unsigned in_range(std::size_t block, std::size_t each, std::size_t begin, std::size_t end) {
+  const std::size_t first = block * 8 * each;
+  const unsigned from = begin > first ? 0xffu << ((begin - first) / each) : 0xffu;
+  const unsigned to = end < first + 8 * each ? (1u << ((end - first + each - 1) / each)) - 1 : 0xffu;
+  return from & to;
+}
+
+std::size_t CollectInRow(const Outlines& outlines, const RowView& row, std::uint32_t element, const ScreenBox& box,
+                         std::size_t begin, std::size_t end, std::vector<Candidate>& candidates) {
+  const OverlapFilter filter(outlines, element);
+  for (std::size_t block = begin / 512; block * 512 < end; ++block) {
+    for (unsigned mask = overlapping(row.sixty_fours[block], box) & in_range(block, 64, begin, end); mask != 0;
+         mask &= mask - 1) {
+      const std::size_t sixty_four = block * 8 + static_cast<unsigned>(std::countr_zero(mask));
+      for (unsigned eights = overlapping(row.eights[sixty_four], box) & in_range(sixty_four, 8, begin, end);
+           eights != 0; eights &= eights - 1) {
+        const std::size_t eight = sixty_four * 8 + static_cast<unsigned>(std::countr_zero(eights));
+        for (unsigned places = overlapping(row.places[eight], box) & in_range(eight, 1, begin, end); places != 0;
+             places &= places - 1) {
+          const std::size_t place = eight * 8 + static_cast<unsigned>(std::countr_zero(places));
+          for (std::uint32_t other = row.first_at[place]; other != RowView::none; other = row.next[other]) {
+            const Seen::Overlap overlap = filter(other);
+            if (overlap != Seen::apart) candidates.push_back({other, overlap});
+          }
+          if (!candidates.empty()) return place + 1;
+        }
+      }
+    }
+  }
+  return end;
+}
+
 }  // namespace facetsort::exact_internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -382,6 +546,7 @@ namespace facetsort::exact_internal {
 
 HWY_EXPORT(CollectPairs);
 HWY_EXPORT(CollectPassed);
+HWY_EXPORT(CollectInRow);
 
 std::size_t collect_pairs(const Screenful& screen, std::size_t leaf, std::vector<ElementPair>& pairs) {
   return HWY_DYNAMIC_DISPATCH(CollectPairs)(screen, leaf, pairs);
@@ -390,6 +555,11 @@ std::size_t collect_pairs(const Screenful& screen, std::size_t leaf, std::vector
 void collect_passed(const Screenful& screen, std::uint32_t element, const ScreenBox& box, const PassedRanks& passed,
                     std::vector<ElementPair>& pairs) {
   HWY_DYNAMIC_DISPATCH(CollectPassed)(screen, element, box, passed, pairs);
+}
+
+std::size_t collect_in_row(const Outlines& outlines, const RowView& row, std::uint32_t element, const ScreenBox& box,
+                           std::size_t begin, std::size_t end, std::vector<Candidate>& candidates) {
+  return HWY_DYNAMIC_DISPATCH(CollectInRow)(outlines, row, element, box, begin, end, candidates);
 }
 
 }  // namespace facetsort::exact_internal

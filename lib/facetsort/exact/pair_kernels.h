@@ -33,6 +33,12 @@ struct alignas(64) BoxBlock {
   }
 };
 
+// Eight boxes on the screen alone.
+struct alignas(64) PlaceBlock {
+  static constexpr std::size_t dimensions = in_depth, size = BoxBlock::size;
+  float lowest[dimensions][size], highest[dimensions][size];
+};
+
 // The slots of the corners of eight triangles; no_slot where there is a polygon, or nothing.
 struct alignas(32) SlotBlock {
   static constexpr std::uint32_t no_slot = 0xffffffffu;
@@ -106,5 +112,49 @@ struct PassedRanks {
 // those certainly apart and those certainly in front of it.
 void collect_passed(const Screenful& screen, std::uint32_t element, const ScreenBox& box, const PassedRanks& passed,
                     std::vector<ElementPair>& pairs);
+
+// Up to four corners of an element, wound as its facet is; the last of three comes twice. What has more corners is made of
+// several. Here is what they are known by: `slot` the point, `edge` the line of the edge to the next corner, `after` and
+// `before` the lines of the element's edges from and to the corner. Lines are numbered; a diagonal has none.
+struct alignas(64) OutlineIds {
+  static constexpr std::uint32_t no_line = 0xffffffffu;
+
+  std::uint32_t slot[4], edge[4], after[4], before[4];
+};
+
+// And where they are on the screen.
+struct alignas(32) OutlinePlaces {
+  float x[4], y[4];
+};
+
+struct Outlines {
+  std::span<const OutlineIds> ids;             // of elements, then those of which an element has several
+  std::span<const OutlinePlaces> places;       // of the same; none: nothing is known of places
+  std::span<const std::uint32_t> first_extra;  // by element: where its several begin after the elements, and end
+  std::span<const std::int8_t> facing;         // by element
+  std::span<const float> span;                 // by element: its width and height
+  float rounding;                              // of places
+};
+
+// Elements in a row of places, each with a list of them that may be empty.
+struct RowView {
+  static constexpr std::uint32_t none = 0xffffffffu;
+
+  std::span<const std::uint32_t> first_at;  // by place
+  std::span<const std::uint32_t> next;      // by element
+  // Boxes around what is in 1, 8 and 64 places, or larger; those of empty places are empty.
+  std::span<const PlaceBlock> places, eights, sixty_fours;
+};
+
+// What may overlap an element.
+struct Candidate {
+  std::uint32_t element;
+  Seen::Overlap overlap;
+};
+
+// Of those in a row from place `begin` to `end`, appends the ones that are not certainly apart from `element`, whose box is
+// `box`. Stops when there are any, and returns the place to go on from.
+std::size_t collect_in_row(const Outlines& outlines, const RowView& row, std::uint32_t element, const ScreenBox& box,
+                           std::size_t begin, std::size_t end, std::vector<Candidate>& candidates);
 
 }  // namespace facetsort::exact_internal

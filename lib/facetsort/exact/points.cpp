@@ -319,6 +319,9 @@ bool Points::known_in_plane(PointId point, PlaneId plane) const {
 
 bool Points::known_collinear(PointId a, PointId b, PointId c) const {
   if (a == b || b == c || c == a) return true;
+  const auto all_in_plane = [&](PlaneId plane) {
+    return known_in_plane(a, plane) && known_in_plane(b, plane) && known_in_plane(c, plane);
+  };
   for (const PointId made_point : {a, b, c}) {
     if (is_vertex(made_point)) continue;
     const PointDefinition& d = definition(made_point);
@@ -329,11 +332,17 @@ bool Points::known_collinear(PointId a, PointId b, PointId c) const {
         return other.kind == d.kind && other.a == d.a && other.b == d.b;
       };
       if (on_edge(a) && on_edge(b) && on_edge(c)) return true;
+      if (!all_in_plane(d.c)) continue;
+      for (std::uint32_t i = space_->around_begin[d.a]; i < space_->around_begin[d.a + 1]; ++i) {
+        const FacetId facet = space_->around[i];
+        const bool has_edge = space_->corner(facet, 0) == d.b || space_->corner(facet, 1) == d.b ||
+                              space_->corner(facet, 2) == d.b;
+        if (has_edge && all_in_plane(facet)) return true;
+      }
       continue;
     }
     for (const auto& [f, g] : {std::pair{d.a, d.b}, std::pair{d.b, d.c}, std::pair{d.a, d.c}}) {
-      const auto on_line = [&, f = f, g = g](PointId p) { return known_in_plane(p, f) && known_in_plane(p, g); };
-      if (on_line(a) && on_line(b) && on_line(c)) return true;
+      if (all_in_plane(f) && all_in_plane(g)) return true;
     }
   }
   return false;

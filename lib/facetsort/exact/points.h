@@ -71,6 +71,12 @@ class Points {
   PlaneId add_plane(const CutPlane& plane);
   // Forgets the points added after the first `size`.
   void truncate(std::size_t size) { made_.resize(size - first_); }
+  // And the planes added after the first `planes`.
+  void truncate(std::size_t size, std::size_t planes) {
+    truncate(size);
+    planes_.resize(planes - first_plane_);
+    third_points_.resize(planes - first_plane_);
+  }
 
   std::size_t size() const { return first_ + made_.size(); }
   std::size_t plane_count() const { return first_plane_ + planes_.size(); }
@@ -151,6 +157,13 @@ class Points {
 class DistinctPoints {
  public:
   explicit DistinctPoints(Points& points) : points_(points) {}
+
+  // Takes the points that there are for added ones.
+  void know_all() {
+    for (auto i = static_cast<PointId>(points_.space().mesh.vertex_count()); i < points_.size(); ++i) {
+      ids_.try_emplace(points_.definition(i), i);
+    }
+  }
 
   PointId id_of(const PointDefinition& definition) {
     const auto [place, is_new] = ids_.try_emplace(definition, 0);

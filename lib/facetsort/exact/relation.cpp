@@ -19,6 +19,15 @@ int Relation::behind_by_cut(std::uint32_t element, std::uint32_t other) const {
   return 0;
 }
 
+bool Relation::overlap(std::uint32_t element, const Candidate& other) const {
+  const std::vector<FacetId>& plane = points_.space().plane_of_facet;
+  if (plane[elements_.facet[element]] == plane[elements_.facet[other.element]]) return false;
+  if (other.overlap == Seen::overlapping) return true;
+  const Seen::Overlap seen = screen_.overlap(elements_, element, other.element);
+  if (seen == Seen::overlapping || seen == Seen::apart) return seen == Seen::overlapping;
+  return exact_internal::overlap(points_, screen_.viewpoint(), seen_part(element), seen_part(other.element));
+}
+
 bool Relation::is_behind(const ElementPair& pair, bool first) const {
   const std::vector<FacetId>& plane = points_.space().plane_of_facet;
   if (plane[elements_.facet[pair.a]] == plane[elements_.facet[pair.b]]) return false;

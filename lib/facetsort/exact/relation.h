@@ -19,6 +19,8 @@ class Relation {
 
   // Whether the first (or else the second) of a pair is behind the other. Exact; the filters decide nearly all.
   bool is_behind(const ElementPair& pair, bool first) const;
+  // Whether two are in different planes and overlap as seen from the eye: one of them hides the other. Exact.
+  bool overlap(std::uint32_t element, const Candidate& other) const;
 
  private:
   SeenPart seen_part(std::uint32_t element) const;

@@ -27,12 +27,9 @@ constexpr double nearest_depth = 0x1p-6;
 
 double magnitude(double x, double y) { return std::abs(x) + std::abs(y); }
 
-int eye_side(const Points& points, const FilteredPlane& plane, FacetId facet, const Eye& eye) {
-  const glm::dvec3 d = eye.w == 0 ? glm::dvec3(eye) : glm::dvec3(eye) - glm::dvec3(plane.corner);
-  const double value = glm::dot(plane.normal, d);
-  if (std::abs(value) > plane.error * sum_of_magnitudes(d)) return value > 0 ? 1 : -1;
-  const MeshView& mesh = points.space().mesh;
-  return side_of_plane(mesh.corner(facet, 0), mesh.corner(facet, 1), mesh.corner(facet, 2), eye);
+int eye_side(const MeshView& mesh, const FilteredPlane& plane, FacetId facet, const Eye& eye) {
+  const int side = filtered_side(plane, eye);
+  return side != 0 ? side : side_of_plane(mesh.corner(facet, 0), mesh.corner(facet, 1), mesh.corner(facet, 2), eye);
 }
 
 // A unit vector.
@@ -121,8 +118,13 @@ void Screen::place_elements(const Points& points, const Elements& elements, std:
   levels_.resize(std::max<std::size_t>(levels_.size(), 1));
   levels_[0].resize(blocks);
   keys_.resize(count);
-  patches_.resize(viewpoint_.surrounded ? 0 : count + elements.first_extra_patch.back());
+  const std::size_t outlines = viewpoint_.surrounded ? 0 : count + elements.first_extra_patch.back();
+  const bool as_patches = elements.outline_ids.empty();
+  patches_.resize(as_patches ? outlines : 0);
+  outline_places_.resize(as_patches ? 0 : outlines);
+  spans_.resize(outline_places_.empty() ? 0 : count);
   const bool surrounded = viewpoint_.surrounded;
+  const MeshView& mesh = points.space().mesh;
   const auto screen_margin = static_cast<float>(4 * float_rounding * (surrounded ? 1 : largest_) + 2 * rounding_);
   parallel_ranges(blocks, blocks_per_task, [&](std::size_t first, std::size_t last) {
     for (std::size_t block = first; block < last; ++block) {
@@ -149,12 +151,15 @@ void Screen::place_elements(const Points& points, const Elements& elements, std:
           lowest[of_key] = highest[of_key] = keys_[i];
           keys[elements.draw_id[i]] = keys_[i];
           int facing = 0;
-          if (elements.has_area[i]) facing = eye_side(points, elements.plane[i], elements.facet[i], viewpoint_.eye);
+          if (elements.has_area[i]) facing = eye_side(mesh, elements.plane[i], elements.facet[i], viewpoint_.eye);
           facing_[i] = static_cast<std::int8_t>(facing);
           if (surrounded) {
             bound_on_sphere(elements, element, lowest, highest);
-          } else {
+          } else if (as_patches) {
             place_patches(elements, element);
+          } else {
+            place_outlines(elements, element);
+            spans_[element] = (highest[across] - lowest[across]) + (highest[down] - lowest[down]);
           }
           const float depth_margin = surrounded ? 4 * static_cast<float>(float_rounding) * highest[in_depth]
                                                 : screen_margin;
@@ -200,6 +205,23 @@ void Screen::place_patches(const Elements& elements, std::uint32_t element) {
       Patch& patch = patches_[own.corner[1].slot + i];
       patch.corner[0] = corner(0);
       for (std::size_t k = 1; k < 4; ++k) patch.corner[k] = corner(std::min(2 * i + k, count - 1));
+    }
+  }
+}
+
+// As find_outline_ids() lays them out.
+void Screen::place_outlines(const Elements& elements, std::uint32_t element) {
+  const auto slots = elements.slots(element);
+  const std::size_t count = slots.size();
+  const std::uint32_t extra = elements.first_extra_patch[element];
+  OutlinePlaces* places = &outline_places_[count <= 4 ? element : elements.count() + extra];
+  if (count > 4) outline_places_[element].x[0] = seen_[slots[0]].x, outline_places_[element].y[0] = seen_[slots[0]].y;
+  const std::size_t outlines = count <= 4 ? 1 : elements.first_extra_patch[element + 1] - extra;
+  for (std::size_t j = 0; j < outlines; ++j, ++places) {
+    const std::size_t corner[4] = {0, 2 * j + 1, 2 * j + 2, std::min(2 * j + 3, count - 1)};
+    for (int k = 0; k < 4; ++k) {
+      places->x[k] = seen_[slots[corner[k]]].x;
+      places->y[k] = seen_[slots[corner[k]]].y;
     }
   }
 }
@@ -278,6 +300,9 @@ void Screen::look(const Points& points, const Elements& elements, const Eye& eye
   // which is within four times this.
   patch_rounding_ = static_cast<float>(6 * float_rounding * largest_ + 4 * rounding_);
   place_elements(points, elements, keys);
+}
+
+void Screen::prepare_search(const Elements& elements) {
   bound_levels();
   find_flat_fans(elements);
 }
@@ -310,6 +335,10 @@ Seen Screen::compare(const Elements& elements, std::uint32_t a, std::uint32_t b,
     return compare_parts(a_slots.first<3>(), facing_[a], b_slots.first<3>(), facing_[b], behind);
   }
   return compare_parts(a_slots, facing_[a], b_slots, facing_[b], behind);
+}
+
+Seen::Overlap Screen::overlap(const Elements& elements, std::uint32_t a, std::uint32_t b) const {
+  return overlap_of(elements.slots(a), facing_[a], elements.slots(b), facing_[b]);
 }
 
 // Where each has corners on both sides of the other's plane, some two of their edges cross on the screen, and the one
@@ -392,6 +421,18 @@ Seen Screen::compare_parts(std::span<const std::uint32_t, a_extent> a_slots, int
   int known = side(a_slots, a_facing, b_slots);
   if (known == 0) known = -side(b_slots, b_facing, a_slots);
   if (known == -behind) return {Seen::either, static_cast<std::int8_t>(known)};
+  return {overlap_of(a_slots, a_facing, b_slots, b_facing), static_cast<std::int8_t>(known)};
+}
+
+template <std::size_t a_extent, std::size_t b_extent>
+Seen::Overlap Screen::overlap_of(std::span<const std::uint32_t, a_extent> a_slots, int a_facing,
+                                 std::span<const std::uint32_t, b_extent> b_slots, int b_facing) const {
+  const double error = 4 * rounding_;  // of a difference of coordinates, with its own rounding
+
+  const auto at = [&](std::uint32_t slot) {
+    const ScreenPoint& p = screen_points_[slot];
+    return glm::dvec3(p.x, p.y, p.nearness);
+  };
 
   // How far a point is on the outer side of an edge, and a bound on the error of that: on the screen, or for the plane
   // through the edge and the eye.
@@ -458,13 +499,14 @@ Seen Screen::compare_parts(std::span<const std::uint32_t, a_extent> a_slots, int
     // Around the eye, parts may be apart though none of their edges tells.
     if (edges == Edges::do_not_part && !viewpoint_.surrounded) overlap = Seen::overlapping;
   }
-  return {overlap, static_cast<std::int8_t>(known)};
+  return overlap;
 }
 
 std::size_t Screen::memory_bytes() const {
   std::size_t bytes = seen_.capacity() * sizeof(SeenPoint) + facing_.capacity() + flat_fan_.capacity() +
                       screen_points_.capacity() * sizeof(ScreenPoint) +
-                      patches_.capacity() * sizeof(Patch) + keys_.capacity() * sizeof(float);
+                      patches_.capacity() * sizeof(Patch) + outline_places_.capacity() * sizeof(OutlinePlaces) +
+                      spans_.capacity() * sizeof(float) + keys_.capacity() * sizeof(float);
   for (const std::vector<BoxBlock>& level : levels_) bytes += level.capacity() * sizeof(BoxBlock);
   return bytes;
 }

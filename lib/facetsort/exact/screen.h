@@ -31,6 +31,8 @@ class Screen {
   // Places all elements; `keys` gets their keys by draw id.
   // Parallel in the caller's task arena; the same for any thread count. Keeps its storage.
   void look(const Points& points, const Elements& elements, const Eye& eye, std::vector<float>& keys);
+  // What collect_pairs() and collect_passed() need beyond that.
+  void prepare_search(const Elements& elements);
 
   const Viewpoint& viewpoint() const { return viewpoint_; }
   // The side of its facet's plane that the eye is on; 0 where it has no area or is seen edge-on.
@@ -41,6 +43,8 @@ class Screen {
   // that the first is behind (+1) or the second (-1). Precondition: parts of different facets, neither seen edge-on,
   // that do not cross.
   Seen compare(const Elements& elements, std::uint32_t a, std::uint32_t b, int behind) const;
+  // The same, of whether they overlap.
+  Seen::Overlap overlap(const Elements& elements, std::uint32_t a, std::uint32_t b) const;
   // Of two that overlap, which is behind: +1 the first, -1 the second, 0 where this filter can't tell. Precondition: as
   // above, and viewpoint().surrounded is false.
   int behind_where_edges_cross(const Elements& elements, std::uint32_t a, std::uint32_t b) const;
@@ -55,16 +59,25 @@ class Screen {
     return {levels_, elements.slot_blocks, patches_, keys_, flat_fan_, patch_rounding_};
   }
 
+  // For collect_in_row().
+  Outlines outlines(const Elements& elements) const {
+    return {elements.outline_ids, outline_places_, elements.first_extra_patch, facing_, spans_, patch_rounding_};
+  }
+
   std::size_t memory_bytes() const;
 
  private:
   template <std::size_t a_extent, std::size_t b_extent>
   Seen compare_parts(std::span<const std::uint32_t, a_extent> a_slots, int a_facing,
                      std::span<const std::uint32_t, b_extent> b_slots, int b_facing, int behind) const;
+  template <std::size_t a_extent, std::size_t b_extent>
+  Seen::Overlap overlap_of(std::span<const std::uint32_t, a_extent> a_slots, int a_facing,
+                           std::span<const std::uint32_t, b_extent> b_slots, int b_facing) const;
   void choose_projection(const Elements& elements, const Eye& eye);
   void see_points(const Elements& elements);
   void place_elements(const Points& points, const Elements& elements, std::vector<float>& keys);
   void place_patches(const Elements& elements, std::uint32_t element);
+  void place_outlines(const Elements& elements, std::uint32_t element);
   void bound_levels();
   void bound_on_sphere(const Elements& elements, std::uint32_t element, float (&lowest)[box_dimensions],
                        float (&highest)[box_dimensions]) const;
@@ -82,6 +95,8 @@ class Screen {
   std::vector<std::int8_t> facing_;
   std::vector<unsigned char> flat_fan_;
   std::vector<Patch> patches_;
+  std::vector<OutlinePlaces> outline_places_;
+  std::vector<float> spans_;
   float patch_rounding_ = 0;
   std::vector<float> keys_;
   std::vector<std::vector<BoxBlock>> levels_;  // [0]: elements; [k]: blocks of [k - 1]

@@ -50,11 +50,6 @@ bool parted_by_corners(const Points& points, const Eye& eye, const SeenPart& a, 
   return false;
 }
 
-bool overlap(const Points& points, const Viewpoint& from, const SeenPart& a, const SeenPart& b) {
-  if (parted_by_edge(points, from.eye, a, b) || parted_by_edge(points, from.eye, b, a)) return false;
-  return !from.surrounded || !parted_by_corners(points, from.eye, a, b);
-}
-
 // Which side of the plane of `plane` the other part is on: +1 all of it on the eye's, or in the plane, -1 all of it
 // beyond, 0 both or neither.
 int side_of_part(const Points& points, const SeenPart& plane, const SeenPart& part, bool& coplanar) {
@@ -105,6 +100,11 @@ Hiding from_sign(int second_in_front) {
 }
 
 }  // namespace
+
+bool overlap(const Points& points, const Viewpoint& from, const SeenPart& a, const SeenPart& b) {
+  if (parted_by_edge(points, from.eye, a, b) || parted_by_edge(points, from.eye, b, a)) return false;
+  return !from.surrounded || !parted_by_corners(points, from.eye, a, b);
+}
 
 Hiding hiding_of_overlapping(const Points& points, const Viewpoint& from, const SeenPart& a, const SeenPart& b) {
   bool coplanar = false;

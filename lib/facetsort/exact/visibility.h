@@ -26,7 +26,10 @@ enum class Hiding { none, first_behind_second, second_behind_first };
 // one plane. Orthographic eyes see whole lines. For parts that cross, which cutting has to prevent, any answer may come.
 Hiding hiding(const Points& points, const Viewpoint& from, const SeenPart& a, const SeenPart& b);
 
-// The same, of parts that are known to overlap as seen from the eye.
+// Whether some half-line from the eye meets the inside of both; exact, for any parts.
+bool overlap(const Points& points, const Viewpoint& from, const SeenPart& a, const SeenPart& b);
+
+// hiding() of parts that are known to overlap as seen from the eye.
 Hiding hiding_of_overlapping(const Points& points, const Viewpoint& from, const SeenPart& a, const SeenPart& b);
 
 }  // namespace facetsort::exact_internal

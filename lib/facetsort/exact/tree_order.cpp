@@ -1,0 +1,110 @@
+#include "facetsort/exact/tree_order.h"
+
+#include <utility>
+
+#include "facetsort/base/parallel.h"
+#include "facetsort/exact/predicates.h"
+
+namespace facetsort::exact_internal {
+
+void read_pieces(TreeWalk& walk, const Eye& eye, std::vector<std::uint32_t>& order) {
+  const OrderTree& tree = walk.tree();
+  walk.look(eye);
+  const std::size_t before = order.size();
+  order.resize(before + walk.places());
+  const auto read = [&](std::size_t first_node, std::size_t node_count) {
+    for (std::size_t i = first_node; i < first_node + node_count; ++i) {
+      std::uint32_t* place = order.data() + before + walk.first_place(i);
+      for (const std::uint32_t part : tree.members_of(tree.nodes[i])) *place++ = part;
+    }
+  };
+  read(0, tree.top_nodes());
+  parallel_ranges(tree.subtrees.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) {
+      walk.look_below(tree.subtrees[i]);
+      read(tree.subtrees[i].first_node, tree.subtrees[i].node_count);
+    }
+  });
+}
+
+void RejoinedOrder::prepare(const OrderTree& tree, const Elements& elements) {
+  const auto element = [&](std::uint32_t part) { return elements.element_of_draw_id[part]; };
+  for (const std::uint32_t part : tree.members) members_.push_back(element(part));
+  for (const OrderTree::Halving& halving : tree.halvings) {
+    halvings_.push_back({element(halving.whole), element(halving.front), element(halving.back)});
+  }
+  moving_.assign(elements.count(), 0);
+}
+
+void RejoinedOrder::fill(const TreeWalk& walk, std::size_t first_node, std::size_t node_count, std::size_t begin,
+                         std::size_t end) {
+  row_.clear(begin, end);
+  for (std::size_t i = first_node; i < first_node + node_count; ++i) {
+    const OrderTree::Node& node = walk.tree().nodes[i];
+    for (std::uint32_t k = 0; k < node.member_count; ++k) {
+      row_.put(members_[node.first_member + k], walk.first_place(i) + k);
+    }
+    for (std::uint32_t k = 0; k < node.halving_count; ++k) row_.set_absent(halvings_[node.first_halving + k].whole);
+  }
+  row_.bound(begin, end);
+}
+
+// From the last node on, so that halves that were cut again are whole again, or stay cut.
+void RejoinedOrder::rejoin(const TreeWalk& walk, Rejoining& rejoining, std::size_t first_node,
+                           std::size_t node_count) const {
+  for (std::size_t i = first_node + node_count; i-- > first_node;) {
+    const OrderTree::Node& node = walk.tree().nodes[i];
+    for (std::uint32_t k = 0; k < node.halving_count; ++k) {
+      const OrderTree::Halving& halving = halvings_[node.first_halving + k];
+      const bool from_front = walk.is_seen_from_front(i);
+      rejoining.rejoin(halving.whole, from_front ? halving.back : halving.front,
+                       from_front ? halving.front : halving.back);
+    }
+  }
+}
+
+void RejoinedOrder::find(TreeWalk& walk, const Relation& relation, const Screen& screen, const Elements& elements,
+                         std::vector<std::uint32_t>& order) {
+  const OrderTree& tree = walk.tree();
+  walk.look(screen.viewpoint().eye);
+  row_.resize(screen, walk.places(), elements.count());
+  const auto work = [&](const auto& body) {
+    RejoiningScratch& scratch = scratch_.local();
+    const unsigned long long fallbacks = exact_fallbacks();
+    Rejoining rejoining(relation, screen, elements, row_, moving_, scratch);
+    body(rejoining);
+    scratch.counts.fallbacks += exact_fallbacks() - fallbacks;
+  };
+  for (std::size_t i = 0; i < tree.top_nodes(); ++i) {
+    const std::size_t begin = walk.first_place(i);
+    fill(walk, i, 1, begin, begin + walk.reserved(tree.nodes[i].member_count));
+  }
+  parallel_ranges(tree.subtrees.size(), 1, [&](std::size_t first, std::size_t last) {
+    work([&](Rejoining& rejoining) {
+      for (std::size_t i = first; i < last; ++i) {
+        const OrderTree::Subtree& subtree = tree.subtrees[i];
+        const std::size_t begin = walk.first_place(subtree.first_node);
+        walk.look_below(subtree);
+        fill(walk, subtree.first_node, subtree.node_count, begin, begin + walk.places_below(subtree.first_node));
+        rejoin(walk, rejoining, subtree.first_node, subtree.node_count);
+      }
+    });
+  });
+  work([&](Rejoining& rejoining) { rejoin(walk, rejoining, 0, tree.top_nodes()); });
+
+  counts_ = {};
+  for (RejoiningScratch& scratch : scratch_) {
+    const RejoiningCounts counts = std::exchange(scratch.counts, {});
+    counts_.rejoined += counts.rejoined;
+    counts_.tried += counts.tried;
+    counts_.candidate_pairs += counts.candidate_pairs;
+    counts_.fallbacks += counts.fallbacks;
+  }
+  for (std::size_t place = 0; place < row_.places(); ++place) {
+    for (std::uint32_t element = row_.first_at(place); element != Row::none; element = row_.next(element)) {
+      order.push_back(elements.draw_id[element]);
+    }
+  }
+}
+
+}  // namespace facetsort::exact_internal
