@@ -105,12 +105,18 @@ double growth(const ExactStatistics& statistics, std::size_t facets) {
 void add_exact_facts(const ExactStatistics& s, std::size_t facets, double max_growth, Facts& facts) {
   facts.emplace_back("crossing", count_text(s.crossing_pairs) + " pairs of facets, parted by " +
                                      count_text(s.prepared_cuts) + " cuts once a mesh");
-  facts.emplace_back("pairs", count_text(s.candidate_pairs) + " candidates; depth breaks " +
-                                  count_text(s.constraints) + " constraints, mended by " + count_text(s.searches) +
-                                  " searches; " + count_text(s.predicate_fallbacks) + " decided by integers");
-  facts.emplace_back("cycles", count_text(s.components) + " of " + count_text(s.pieces_in_cycles) +
-                                   " pieces in all, the largest of " + count_text(s.largest_component) +
-                                   ", broken by " + count_text(s.view_cuts) + " cuts");
+  if (s.tree_nodes > 0) {
+    facts.emplace_back("tree", count_text(s.tree_nodes) + " planes, " + count_text(s.tree_cuts) +
+                                   " cuts once a mesh, " + count_text(s.rejoined_cuts) + " of them rejoined; " +
+                                   count_text(s.predicate_fallbacks) + " decided by integers");
+  } else {
+    facts.emplace_back("pairs", count_text(s.candidate_pairs) + " candidates; depth breaks " +
+                                    count_text(s.constraints) + " constraints, mended by " + count_text(s.searches) +
+                                    " searches; " + count_text(s.predicate_fallbacks) + " decided by integers");
+    facts.emplace_back("cycles", count_text(s.components) + " of " + count_text(s.pieces_in_cycles) +
+                                     " pieces in all, the largest of " + count_text(s.largest_component) +
+                                     ", broken by " + count_text(s.view_cuts) + " cuts");
+  }
   facts.emplace_back("drawn", count_text(s.pieces) + " pieces, " + count_text(s.triangles) + " triangles: growth " +
                                   fixed_text(growth(s, facets), 3));
   facts.emplace_back("times", "project " + milliseconds_text(s.project_ms) + ", pairs " +
@@ -126,7 +132,7 @@ void add_exact_facts(const ExactStatistics& s, std::size_t facets, double max_gr
 void order_exactly(const OrderOptions& options, const CommonOptions& common, const InputMesh& input,
                    const SortView& eye) {
   const std::size_t facets = input.mesh.triangles.size();
-  ExactOptions exact;
+  ExactOptions exact{.from = order_from(options.method)};
   exact.max_growth = options.max_growth.value_or(exact.max_growth);
   std::optional<ExactSorter> sorter;
   OrderCost cost;
@@ -152,13 +158,13 @@ void order_exactly(const OrderOptions& options, const CommonOptions& common, con
 
 ExitStatus run_order(const OrderOptions& options, const CommonOptions& common) {
   require_output_file(options.output, {".u32", ".ply"});
-  if (options.max_growth && options.method != Method::exact) {
-    throw Failure("--max-growth is an option of --method exact: nothing else cuts");
+  if (options.max_growth && !is_exact(options.method)) {
+    throw Failure("--max-growth is an option of the exact methods: nothing else cuts");
   }
   const InputMesh input = read_input_mesh(options.mesh);
   const View view = make_view(options.view, input.bounds);
   const SortView eye{view.homogeneous_eye(), view.forward()};
-  if (options.method == Method::exact) {
+  if (is_exact(options.method)) {
     order_exactly(options, common, input, eye);
   } else {
     order_by_key(options, common, input, eye);

@@ -74,7 +74,9 @@ constexpr double no_bound = 1e9;
 class Checker {
  public:
   Checker(const Mesh& mesh, OrderFrom from)
-      : mesh_(mesh), sorter_(mesh.view(), {.max_growth = no_bound, .from = from}), referee_(EmbreeReferee::create(mesh.view())) {}
+      : mesh_(mesh),
+        sorter_(mesh.view(), {.max_growth = no_bound, .from = from}),
+        referee_(EmbreeReferee::create(mesh.view())) {}
 
   // What is wrong with the order from this eye; empty where nothing is.
   std::string fault(const Look& look, Tally& tally) {
@@ -156,7 +158,8 @@ void expect_exact(const Mesh& mesh, const std::vector<Look>& looks, OrderFrom fr
     std::string fault = checker.fault(look, tally);
     if (fault.empty()) continue;
     Tally ignored;
-    const Mesh smallest = shrink(mesh, [&](const Mesh& part) { return !Checker(part, from).fault(look, ignored).empty(); });
+    const Mesh smallest =
+        shrink(mesh, [&](const Mesh& part) { return !Checker(part, from).fault(look, ignored).empty(); });
     fault = Checker(smallest, from).fault(look, ignored);
     FAIL() << fault << "\n" << as_code(smallest) << "\n" << as_code(look.view);
   }
@@ -314,13 +317,10 @@ Mesh in_few_planes(Random& random) {
   return mesh;
 }
 
-constexpr Family families[] = {{"Anything", anything},
-                               {"OnALattice", on_a_lattice},
-                               {"AroundFewVertices", around_few_vertices},
-                               {"Needles", needles},
-                               {"OfAllSizes", of_all_sizes},
-                               {"PushedTogether", pushed_together},
-                               {"InFewPlanes", in_few_planes}};
+constexpr Family families[] = {
+    {"Anything", anything},        {"OnALattice", on_a_lattice}, {"AroundFewVertices", around_few_vertices},
+    {"Needles", needles},          {"OfAllSizes", of_all_sizes}, {"PushedTogether", pushed_together},
+    {"InFewPlanes", in_few_planes}};
 
 std::string name_of(OrderFrom from) {
   return from == OrderFrom::pairs ? "Pairs" : from == OrderFrom::tree ? "Tree" : "TreePieces";
@@ -331,7 +331,9 @@ constexpr OrderFrom every_order[] = {OrderFrom::pairs, OrderFrom::tree, OrderFro
 class RandomMeshes : public testing::TestWithParam<std::tuple<Family, OrderFrom>> {};
 INSTANTIATE_TEST_SUITE_P(Families, RandomMeshes,
                          testing::Combine(testing::ValuesIn(families), testing::ValuesIn(every_order)),
-                         [](const auto& named) { return std::get<0>(named.param).name + name_of(std::get<1>(named.param)); });
+                         [](const auto& named) {
+                           return std::get<0>(named.param).name + name_of(std::get<1>(named.param));
+                         });
 
 // FACETSORT_PROPERTY_SEEDS asks for more than the few of a quick run.
 std::uint32_t seeds() {
@@ -417,7 +419,9 @@ const Case cases[] = {
 class ExtremeCases : public testing::TestWithParam<std::tuple<Case, OrderFrom>> {};
 INSTANTIATE_TEST_SUITE_P(Shapes, ExtremeCases,
                          testing::Combine(testing::ValuesIn(cases), testing::ValuesIn(every_order)),
-                         [](const auto& named) { return std::get<0>(named.param).name + name_of(std::get<1>(named.param)); });
+                         [](const auto& named) {
+                           return std::get<0>(named.param).name + name_of(std::get<1>(named.param));
+                         });
 
 TEST_P(ExtremeCases, AreDrawnInOrderAndWithoutGaps) {
   const auto& [extreme, from] = GetParam();
@@ -466,11 +470,11 @@ TEST(Shrink, LeavesTheFacetsThatMatter) {
 
 // Found by OnALattice and shrunk: a cut's end at (1.5, 1, 1) is a corner that another cut made of other planes.
 TEST(ExactProperty, HoldsWhereTwoCutsMeetOnAnEdge) {
-  const Mesh mesh{{{2, 0, 1}, {1, 2, 1}, {0, 0, 1}, {1, 2, 0}, {2, 0, 2}, {1, 0, 1}, {0, 0, 2}, {0, 0, 0}, {1, 0, 0},
-                   {2, 2, 2}},
-                  {{0, 1, 2}, {3, 4, 5}, {5, 6, 3}, {7, 8, 9}},
-                  {},
-                  {}};
+  const Mesh mesh{
+      {{2, 0, 1}, {1, 2, 1}, {0, 0, 1}, {1, 2, 0}, {2, 0, 2}, {1, 0, 1}, {0, 0, 2}, {0, 0, 0}, {1, 0, 0}, {2, 2, 2}},
+      {{0, 1, 2}, {3, 4, 5}, {5, 6, 3}, {7, 8, 9}},
+      {},
+      {}};
   View view = sized(default_view(facet_bounds(mesh.view()), {0.58f, 0.11f, 2.53f}), 80);
   view.vertical_fov_degrees = 120;
   Tally tally;

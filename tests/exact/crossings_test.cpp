@@ -99,11 +99,13 @@ Mesh band_and_curtains(int curtains, std::uint32_t seed) {
   };
   const auto height = static_cast<float>(2 * curtains);
   const auto x = [](int i) { return static_cast<float>(i); };
-  add_strip(21, [&](int i) { return glm::vec3(x(i), 0, 0); }, [&](int i) { return glm::vec3(x(i), height, 0); });
+  add_strip(
+      21, [&](int i) { return glm::vec3(x(i), 0, 0); }, [&](int i) { return glm::vec3(x(i), height, 0); });
   for (int c = 0; c < curtains; ++c) {
     const auto y = static_cast<float>(2 * c) + 0.5f;
-    add_strip(18, [&](int i) { return glm::vec3(1.37f * x(i) - 1.5f + 0.2f * shift(), y + shift(), 1 + shift()); },
-              [&](int i) { return glm::vec3(1.37f * x(i) - 1.5f + 0.2f * shift(), y + shift(), -1 - shift()); });
+    add_strip(
+        18, [&](int i) { return glm::vec3(1.37f * x(i) - 1.5f + 0.2f * shift(), y + shift(), 1 + shift()); },
+        [&](int i) { return glm::vec3(1.37f * x(i) - 1.5f + 0.2f * shift(), y + shift(), -1 - shift()); });
   }
   return mesh;
 }

@@ -16,7 +16,8 @@ namespace {
 // All facets of a mesh as members of one cycle, and every pair that hides one another.
 class CycleOf {
  public:
-  CycleOf(Mesh mesh, const Viewpoint& from) : mesh_(std::move(mesh)), from_(from), space_(space_of(mesh_.view())), points_(space_) {
+  CycleOf(Mesh mesh, const Viewpoint& from)
+      : mesh_(std::move(mesh)), from_(from), space_(space_of(mesh_.view())), points_(space_) {
     for (FacetId f = 0; f < mesh_.triangles.size(); ++f) {
       const MeshView view = mesh_.view();
       const int facing = side_of_plane(view.corner(f, 0), view.corner(f, 1), view.corner(f, 2), from.eye);

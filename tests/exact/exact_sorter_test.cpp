@@ -131,7 +131,9 @@ bool degenerate(const Mesh& mesh, std::uint32_t facet) {
 }
 
 using Position = std::array<float, 3>;
-Position key_of(const glm::vec3& p) { return {p.x + 0.0f, p.y + 0.0f, p.z + 0.0f}; }
+Position key_of(const glm::vec3& p) {
+  return {p.x + 0.0f, p.y + 0.0f, p.z + 0.0f};
+}
 
 // The triangles of an order by the facet that they come from, as positions.
 class TrianglesOfFacets {
@@ -230,8 +232,8 @@ class TrianglesOfFacets {
   }
 
   bool has_all_corners(std::uint32_t facet, const std::map<Position, Position>& next) const {
-    return next.contains(key_of(mesh_.view().corner(facet, 0))) && next.contains(key_of(mesh_.view().corner(facet, 1))) &&
-           next.contains(key_of(mesh_.view().corner(facet, 2)));
+    return next.contains(key_of(mesh_.view().corner(facet, 0))) &&
+           next.contains(key_of(mesh_.view().corner(facet, 1))) && next.contains(key_of(mesh_.view().corner(facet, 2)));
   }
 
   // Directed edges of the facet's triangles that no other of them runs along the other way.

@@ -26,7 +26,9 @@ Lists nested(const NodeLists& lists) {
   return result;
 }
 
-Lists components_of(const Lists& behind) { return nested(ComponentFinder().find(flat(behind))); }
+Lists components_of(const Lists& behind) {
+  return nested(ComponentFinder().find(flat(behind)));
+}
 
 std::vector<HidingPair> random_pairs(std::mt19937& random, std::uint32_t nodes, std::uint32_t most) {
   std::vector<HidingPair> pairs;

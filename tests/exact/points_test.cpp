@@ -24,7 +24,9 @@ struct ExactPlane {
   Number at(const Exact& p) const { return rational::dot(normal, p - origin); }
 };
 
-int sign_of(const Number& value) { return (value > 0) - (value < 0); }
+int sign_of(const Number& value) {
+  return (value > 0) - (value < 0);
+}
 
 // The same points and planes in rational numbers.
 class Oracle {
@@ -162,8 +164,8 @@ Mesh with_area(const Mesh& mesh) {
   Mesh kept = mesh;
   std::erase_if(kept.triangles, [&](const glm::uvec3& t) {
     const Exact a{glm::dvec3(mesh.positions[t.x])};
-    return rational::is_zero(rational::cross(Exact(glm::dvec3(mesh.positions[t.y])) - a,
-                                             Exact(glm::dvec3(mesh.positions[t.z])) - a));
+    return rational::is_zero(
+        rational::cross(Exact(glm::dvec3(mesh.positions[t.y])) - a, Exact(glm::dvec3(mesh.positions[t.z])) - a));
   });
   return kept;
 }

@@ -57,7 +57,9 @@ Mesh triangles(const std::vector<glm::vec3>& corners) {
 
 constexpr Hiding none = Hiding::none, first = Hiding::first_behind_second, second = Hiding::second_behind_first;
 
-Hiding reversed(Hiding hiding) { return hiding == first ? second : hiding == second ? first : none; }
+Hiding reversed(Hiding hiding) {
+  return hiding == first ? second : hiding == second ? first : none;
+}
 
 // Either way round, and wherever the answer must not depend on it, surrounded or not.
 void expect_hiding(const Scene& scene, const Eye& eye, Hiding expected, bool both = true) {
@@ -120,8 +122,12 @@ TEST(Hiding, OfFacetsThatShareAVertex) {
 TEST(Hiding, OfSkewNeedlesThatStraddleEachOthersPlane) {
   for (const float height : {0.5f, -0.5f, 0x1p-20f, -0x1p-20f}) {
     SCOPED_TRACE(height);
-    const Scene scene(triangles({{-10, -0.1f, -1}, {10, 0, 1}, {-10, 0.1f, -1},
-                                 {-0.1f, -10, height - 1}, {0, 10, height + 1}, {0.1f, -10, height - 1}}));
+    const Scene scene(triangles({{-10, -0.1f, -1},
+                                 {10, 0, 1},
+                                 {-10, 0.1f, -1},
+                                 {-0.1f, -10, height - 1},
+                                 {0, 10, height + 1},
+                                 {0.1f, -10, height - 1}}));
     // Each has corners on both sides of the other's plane, and yet they do not touch.
     for (const auto& [plane, part] : {std::pair{0u, 1u}, std::pair{1u, 0u}}) {
       int sum = 0, magnitude = 0;

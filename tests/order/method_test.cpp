@@ -16,7 +16,8 @@ TEST(Method, NamesAreDistinctAndKnown) {
   }
   EXPECT_EQ(names.size(), 7u);
   EXPECT_EQ(depth_key_methods().size(), 6u);
-  EXPECT_EQ(std::count(depth_key_methods().begin(), depth_key_methods().end(), Method::exact), 0);
+  EXPECT_TRUE(std::none_of(depth_key_methods().begin(), depth_key_methods().end(), is_exact));
+  EXPECT_EQ(std::count_if(all_methods().begin(), all_methods().end(), is_exact), 3);
 }
 
 TEST(Method, KnowsTheAliasAndNothingElse) {

@@ -83,6 +83,8 @@ double true_key(const Mesh& mesh, const FacetFrame& frame, std::uint32_t facet, 
     case Method::farthest_vertex:
       return std::max({along(p[0]), along(p[1]), along(p[2])});
     case Method::exact:
+    case Method::exact_tree:
+    case Method::exact_tree_pieces:
       break;
   }
   return 0;

@@ -143,8 +143,8 @@ StrategyRenderer::StrategyRenderer(const MeshView& mesh, const Strategy& strateg
   state_->mesh = mesh;
   state_->strategy = strategy;
   state_->passes = draw_passes(strategy.kind);
-  if (strategy.kind == StrategyKind::facet_sort && strategy.method == Method::exact) {
-    state_->exact_sorter.emplace(mesh);
+  if (strategy.kind == StrategyKind::facet_sort && is_exact(strategy.method)) {
+    state_->exact_sorter.emplace(mesh, ExactOptions{.from = order_from(strategy.method)});
   } else if (strategy.kind == StrategyKind::facet_sort) {
     state_->sorter.emplace(mesh, strategy.method);
   } else if (strategy.kind != StrategyKind::reference) {

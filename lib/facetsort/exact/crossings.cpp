@@ -69,8 +69,8 @@ std::optional<Segment> shared_segment(const Points& points, FacetId f, FacetId g
   if (!g_lone) return std::nullopt;
 
   const auto corner = [&](FacetId facet, int i) { return space.corner(facet, i % 3); };
-  // Side of the line through corners `from` and `to` of g, an edge of g's winding, on which f's edge to corner m pierces
-  // g's plane: +1 inside.
+  // Side of the line through corners `from` and `to` of g, an edge of g's winding, on which f's edge to corner m
+  // pierces g's plane: +1 inside.
   const auto inside = [&](int m, int from, int to) {
     const PointId a = corner(f, *f_lone), b = corner(f, m), c = corner(g, from), d = corner(g, to);
     if (a == c || a == d || b == c || b == d) return 0;
@@ -245,10 +245,10 @@ struct Task {
   auto operator<=>(const Task&) const = default;
 };
 
-// Which facet of each pair is cut. Every new vertex costs two triangles, so few of them are wanted. A cut of f by g runs
-// along the line of their planes from edge to edge of f: where the segment they share ends on f's edge, that vertex
-// serves the cut of f's neighbour by g too; where it ends on g's edge, inside f, the cut has to be extended to some
-// point that serves nothing else. So a curve along which two sheets cross wants all its cuts in one of the sheets.
+// Which facet of each pair is cut. Every new vertex costs two triangles, so few of them are wanted. A cut of f by g
+// runs along the line of their planes from edge to edge of f: where the segment they share ends on f's edge, that
+// vertex serves the cut of f's neighbour by g too; where it ends on g's edge, inside f, the cut has to be extended to
+// some point that serves nothing else. So a curve along which two sheets cross wants all its cuts in one of the sheets.
 class CutAssignment {
  public:
   explicit CutAssignment(const std::vector<Crossing>& crossings) : crossings_(crossings) {
@@ -402,10 +402,10 @@ class CutAssignment {
   std::vector<unsigned char> cut_first_;
 };
 
-// Cuts one facet along segments in it: along whole chains of them, each from the facet's boundary to its boundary, so that
-// a kink between two segments is but a corner of the faces on both sides; a face that is reflex there is then cut from the
-// kink to another of its corners. Where segments do not make such chains, the step is that of a BSP: the polygon is cut in
-// two along one segment's line, and each half goes on by itself.
+// Cuts one facet along segments in it: along whole chains of them, each from the facet's boundary to its boundary, so
+// that a kink between two segments is but a corner of the faces on both sides; a face that is reflex there is then cut
+// from the kink to another of its corners. Where segments do not make such chains, the step is that of a BSP: the
+// polygon is cut in two along one segment's line, and each half goes on by itself.
 class FacetCutter {
  public:
   // Gives up, and leaves the facet in some of its pieces, where it takes more than `most_cuts`.
@@ -458,9 +458,7 @@ class FacetCutter {
     std::vector<PointId> kinks;   // between them
   };
 
-  PointId point_of(const SegmentEnd& end) {
-    return end.is_vertex ? end.vertex : ends_.id_of(end.definition);
-  }
+  PointId point_of(const SegmentEnd& end) { return end.is_vertex ? end.vertex : ends_.id_of(end.definition); }
 
   void cut(const Polygon& polygon, Segments segments) {
     while (!segments.empty()) {
@@ -580,8 +578,7 @@ class FacetCutter {
     for (std::size_t i = 0; i < faces.size(); ++i) {
       std::vector<Loop> convex{std::move(faces[i])};
       for (const Join& join : joins[i]) {
-        [[maybe_unused]] const bool joined =
-            split(join.kink, join.to, {join_plane(join.kink, join.to)}, {}, convex);
+        [[maybe_unused]] const bool joined = split(join.kink, join.to, {join_plane(join.kink, join.to)}, {}, convex);
         assert(joined);
       }
       cuts_ += joins[i].size();
@@ -617,8 +614,8 @@ class FacetCutter {
       for (std::size_t j = 0; j < i; ++j) {
         const CutSegment &a = segments[i], &b = segments[j];
         const int a0 = points_.side(b.plane, a.ends[0]), a1 = points_.side(b.plane, a.ends[1]);
-        const bool common = a.ends[0] == b.ends[0] || a.ends[0] == b.ends[1] || a.ends[1] == b.ends[0] ||
-                            a.ends[1] == b.ends[1];
+        const bool common =
+            a.ends[0] == b.ends[0] || a.ends[0] == b.ends[1] || a.ends[1] == b.ends[0] || a.ends[1] == b.ends[1];
         if (common) {
           if (a0 == 0 && a1 == 0) return true;
           continue;

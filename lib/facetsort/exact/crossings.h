@@ -9,9 +9,9 @@
 namespace facetsort::exact_internal {
 
 struct PartedFacets {
-  PartList pieces;                // of the facets that were cut, by facet
+  PartList pieces;  // of the facets that were cut, by facet
   std::size_t crossing_pairs = 0;
-  std::size_t uncut_pairs = 0;    // left crossing because of `most_triangles`
+  std::size_t uncut_pairs = 0;  // left crossing because of `most_triangles`
   std::size_t cuts = 0;
 };
 

@@ -19,7 +19,7 @@ constexpr std::size_t leaf_size = 8;
 
 struct Item {
   float centre[3];
-  float radius;  // a large facet is kept apart from small ones: it would bloat their box
+  float radius;        // a large facet is kept apart from small ones: it would bloat their box
   std::uint32_t part;  // facet count + piece, or facet
 };
 
@@ -157,9 +157,9 @@ class Builder {
     std::vector<unsigned char> simple(slots);
     parallel_ranges(slots, elements_per_task, [&](std::size_t first, std::size_t last) {
       for (std::size_t slot = first; slot < last; ++slot) {
-        simple[slot] = with_fans &&
-                       is_simple_fan(static_cast<std::uint32_t>(slot),
-                                     std::span(around).subspan(begin[slot], begin[slot + 1] - begin[slot]));
+        simple[slot] =
+            with_fans && is_simple_fan(static_cast<std::uint32_t>(slot),
+                                       std::span(around).subspan(begin[slot], begin[slot + 1] - begin[slot]));
       }
     });
     e.fan_begin.assign(1, 0);
@@ -175,7 +175,8 @@ class Builder {
     constexpr std::size_t most_facets = 32;
     const std::size_t count = around.size();
     if (count < 3 || count > most_facets) return false;
-    std::uint32_t out[most_facets], in[most_facets];  // each facet runs from the fan's vertex to `out`, to `in`, and back
+    std::uint32_t out[most_facets],
+        in[most_facets];  // each facet runs from the fan's vertex to `out`, to `in`, and back
     for (std::size_t i = 0; i < count; ++i) {
       const std::uint32_t element = around[i];
       if (elements_.draw_id[element] >= facets() || !elements_.has_area[element]) return false;
@@ -224,7 +225,8 @@ class Builder {
 
 std::size_t Elements::memory_bytes() const {
   return bytes_of(facet, draw_id, has_area, plane, longest_edge_squared, first_corner, corner_point, corner_slot,
-                  first_extra_patch, slot_blocks, outline_ids, slot_point, slot_position, fan_begin, fan_element, element_of_draw_id);
+                  first_extra_patch, slot_blocks, outline_ids, slot_point, slot_position, fan_begin, fan_element,
+                  element_of_draw_id);
 }
 
 Elements make_elements(const Points& points, const PartList& pieces, const std::vector<unsigned char>& degenerate,

@@ -1,5 +1,5 @@
-// Internal to exact: the parts of a mesh that an order is made of, laid out for sorting, and what does not depend on the
-// view.
+// Internal to exact: the parts of a mesh that an order is made of, laid out for sorting, and what does not depend on
+// the view.
 #pragma once
 
 #include <cstdint>
@@ -30,7 +30,7 @@ struct Elements {
   std::size_t memory_bytes() const;
 
   FacetFrame frame;
-  glm::dvec3 extent{0};  // largest magnitude of each coordinate in the frame
+  glm::dvec3 extent{0};      // largest magnitude of each coordinate in the frame
   double largest_error = 0;  // of slot_position, beyond the rounding of vertices
 
   std::vector<FacetId> facet;
@@ -54,8 +54,8 @@ struct Elements {
 };
 
 // A simple fan: whole facets with area around a vertex, each sharing an edge with the next, wound alike, closed, no two
-// others in one plane. Such a fan does not cross itself, so where all its facets face the same way they do not overlap on
-// the screen: their outline around the vertex is a simple closed curve in an annulus, which winds once at most.
+// others in one plane. Such a fan does not cross itself, so where all its facets face the same way they do not overlap
+// on the screen: their outline around the vertex is a simple closed curve in an annulus, which winds once at most.
 //
 // `parts`: the draw ids of all elements, in their order. Fans are only found where no facets cross.
 Elements make_elements(const Points& points, const PartList& pieces, const std::vector<unsigned char>& degenerate,

@@ -1,10 +1,10 @@
 // The order by depth, mended where it is wrong.
 //
 // Facets come in the order of a depth key, as in a painter's algorithm (Newell, Newell and Sancha 1972, "A Solution to
-// the Hidden Surface Problem"), but what must come before what is decided exactly, and of all the constraints only those
-// are found that matter (see Precedence): those that the key order breaks, and those that drawing a part ahead of its turn
-// would break. Then the key order is walked, depth first into what a part needs to have been drawn before it: Tarjan's
-// algorithm (see ComponentFinder). The components that it finds are cycles, and are cut.
+// the Hidden Surface Problem"), but what must come before what is decided exactly, and of all the constraints only
+// those are found that matter (see Precedence): those that the key order breaks, and those that drawing a part ahead of
+// its turn would break. Then the key order is walked, depth first into what a part needs to have been drawn before it:
+// Tarjan's algorithm (see ComponentFinder). The components that it finds are cycles, and are cut.
 #include "facetsort/exact/exact_sorter.h"
 
 #include <tbb/combinable.h>
@@ -23,11 +23,11 @@
 #include "facetsort/exact/cycles.h"
 #include "facetsort/exact/elements.h"
 #include "facetsort/exact/hiding_graph.h"
+#include "facetsort/exact/order_tree.h"
 #include "facetsort/exact/positions.h"
 #include "facetsort/exact/precedence.h"
 #include "facetsort/exact/predicates.h"
 #include "facetsort/exact/relation.h"
-#include "facetsort/exact/order_tree.h"
 #include "facetsort/exact/screen.h"
 #include "facetsort/exact/tree_order.h"
 #include "facetsort/exact/triangulation.h"
@@ -92,7 +92,8 @@ std::vector<FacetId> find_planes(const MeshView& mesh, const std::vector<unsigne
     const FacetId facet = rounded[i].facet;
     if (degenerate[facet]) continue;
     if (i == 0 || !rounded[i].agrees_with(rounded[i - 1])) distinct.clear();
-    const auto same = std::find_if(distinct.begin(), distinct.end(), [&](FacetId other) { return coplanar(other, facet); });
+    const auto same =
+        std::find_if(distinct.begin(), distinct.end(), [&](FacetId other) { return coplanar(other, facet); });
     if (same != distinct.end()) {
       plane[facet] = *same;
     } else {
@@ -158,9 +159,9 @@ struct ExactSorter::State {
   ExactOptions options;
   PointSpace space;
   std::vector<unsigned char> degenerate;
-  Points points;                 // vertices, those of prepared pieces, then those of the last view
-  PartList parts;                // prepared pieces, then those of the last view
-  std::vector<Piece> pieces;     // the same, for drawing
+  Points points;                   // vertices, those of prepared pieces, then those of the last view
+  PartList parts;                  // prepared pieces, then those of the last view
+  std::vector<Piece> pieces;       // the same, for drawing
   bool triangles_counted = false;  // of the last view
   std::size_t prepared_pieces = 0, prepared_points = 0, prepared_triangles = 0, prepared_bytes = 0;
   std::optional<OrderTree> tree;
@@ -182,7 +183,9 @@ struct ExactSorter::State {
 
 namespace {
 
-Piece piece_of(const Part& part) { return {part.facet, part.first_cut, part.cut_count}; }
+Piece piece_of(const Part& part) {
+  return {part.facet, part.first_cut, part.cut_count};
+}
 
 }  // namespace
 
@@ -357,6 +360,12 @@ void ExactSorter::State::fill_in_cycles() {
   filled_order.reserve(order.capacity());  // so that either will do for the next view
 }
 
+OrderFrom order_from(Method method) {
+  return method == Method::exact        ? OrderFrom::pairs
+         : method == Method::exact_tree ? OrderFrom::tree
+                                        : OrderFrom::tree_pieces;
+}
+
 ExactSorter::ExactSorter(const MeshView& mesh, const ExactOptions& options)
     : state_(std::make_unique<State>(mesh, options)) {
   state_->prepare();
@@ -418,7 +427,9 @@ std::span<const std::uint32_t> ExactSorter::sort(const SortView& view) {
   return state.order;
 }
 
-Pieces ExactSorter::pieces() const { return {state_->pieces, state_->parts.cuts, state_->points.added_planes()}; }
+Pieces ExactSorter::pieces() const {
+  return {state_->pieces, state_->parts.cuts, state_->points.added_planes()};
+}
 
 const ExactStatistics& ExactSorter::statistics() const {
   State& state = *state_;
@@ -429,16 +440,20 @@ const ExactStatistics& ExactSorter::statistics() const {
   return state.statistics;
 }
 
-OrderedTriangles ExactSorter::triangles() const { return triangulate(state_->points, state_->parts, state_->order); }
+OrderedTriangles ExactSorter::triangles() const {
+  return triangulate(state_->points, state_->parts, state_->order);
+}
 
-std::size_t ExactSorter::prepared_bytes() const { return state_->prepared_bytes; }
+std::size_t ExactSorter::prepared_bytes() const {
+  return state_->prepared_bytes;
+}
 
 std::size_t ExactSorter::memory_bytes() const {
   const State& state = *state_;
   return state.bytes_held() + state.screen.memory_bytes() + state.key_sort.memory_bytes() +
-         state.tree_walk.memory_bytes() - state.tree_walk.prepared_bytes() +
-         state.rejoined_order.memory_bytes() - state.rejoined_order.prepared_bytes() + state.precedence.memory_bytes() + state.component_finder.memory_bytes() +
-         bytes_of(state.keys, state.order, state.filled_order);
+         state.tree_walk.memory_bytes() - state.tree_walk.prepared_bytes() + state.rejoined_order.memory_bytes() -
+         state.rejoined_order.prepared_bytes() + state.precedence.memory_bytes() +
+         state.component_finder.memory_bytes() + bytes_of(state.keys, state.order, state.filled_order);
 }
 
 }  // namespace facetsort

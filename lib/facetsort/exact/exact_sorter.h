@@ -16,15 +16,20 @@ namespace facetsort {
 
 // What the order of each view is found from.
 enum class OrderFrom {
-  // Pairs of facets that overlap on the screen, and cuts of what hides each other in cycles: few pieces, and nothing but
+  // Pairs of facets that overlap on the screen, and cuts of what hides each other in cycles: few pieces, and nothing
+  // but
   // facets that intersect has to be looked at before the first view.
   pairs,
-  // A tree of planes over all facets, built once (a binary space partition). What its planes cut is put together again as
+  // A tree of planes over all facets, built once (a binary space partition). What its planes cut is put together again
+  // as
   // far as the view allows. For meshes with many intersections and cycles, in positions that stay.
   tree,
   // The same tree, and facets left in the pieces that it cuts: by far the fastest, with the most pieces.
   tree_pieces,
 };
+
+// Of an exact method. Precondition: is_exact(method).
+OrderFrom order_from(Method method);
 
 struct ExactOptions {
   // Most triangles out over facets in. Where it is reached, facets that intersect or hide each other in a cycle stay
@@ -37,27 +42,27 @@ struct ExactOptions {
 // What was done, in the manner of a solver's log. Times are wall clock.
 struct ExactStatistics {
   // Once a mesh.
-  std::size_t crossing_pairs = 0;         // pairs of facets that pass through each other
-  std::size_t crossing_pairs_uncut = 0;   // of those, left because of max_growth: a lower bound of the conflicts
-  std::size_t prepared_cuts = 0;          // cuts that part them
-  std::size_t prepared_pieces = 0;        // pieces and whole facets after these cuts
-  std::size_t tree_nodes = 0;             // of the tree; 0: there is none
-  std::size_t tree_cuts = 0;              // cuts by its planes
+  std::size_t crossing_pairs = 0;        // pairs of facets that pass through each other
+  std::size_t crossing_pairs_uncut = 0;  // of those, left because of max_growth: a lower bound of the conflicts
+  std::size_t prepared_cuts = 0;         // cuts that part them
+  std::size_t prepared_pieces = 0;       // pieces and whole facets after these cuts
+  std::size_t tree_nodes = 0;            // of the tree; 0: there is none
+  std::size_t tree_cuts = 0;             // cuts by its planes
   double prepare_ms = 0;
 
   // For the last view.
-  std::size_t candidate_pairs = 0;        // boxes overlap on the screen and in depth
-  std::size_t constraints = 0;            // constraints that the order by depth breaks
-  std::size_t searches = 0;               // searches for what else must come before a piece that was drawn earlier
-  std::size_t components = 0;             // groups of pieces that hide each other in cycles
+  std::size_t candidate_pairs = 0;  // boxes overlap on the screen and in depth
+  std::size_t constraints = 0;      // constraints that the order by depth breaks
+  std::size_t searches = 0;         // searches for what else must come before a piece that was drawn earlier
+  std::size_t components = 0;       // groups of pieces that hide each other in cycles
   std::size_t pieces_in_cycles = 0;
   std::size_t largest_component = 0;
-  std::size_t rejoined_cuts = 0;          // cuts by the tree's planes whose halves come together
-  std::size_t view_cuts = 0;              // cuts that break cycles; of the tree's, those whose halves stay apart
-  std::size_t unordered_pairs = 0;        // constraints left broken because of max_growth
-  std::size_t predicate_fallbacks = 0;    // decisions that took multiple-precision integers
-  std::size_t pieces = 0;                 // pieces and whole facets drawn
-  std::size_t triangles = 0;              // that they make, cracks closed
+  std::size_t rejoined_cuts = 0;        // cuts by the tree's planes whose halves come together
+  std::size_t view_cuts = 0;            // cuts that break cycles; of the tree's, those whose halves stay apart
+  std::size_t unordered_pairs = 0;      // constraints left broken because of max_growth
+  std::size_t predicate_fallbacks = 0;  // decisions that took multiple-precision integers
+  std::size_t pieces = 0;               // pieces and whole facets drawn
+  std::size_t triangles = 0;            // that they make, cracks closed
   double project_ms = 0, pairs_ms = 0, order_ms = 0, cut_ms = 0;
 };
 
@@ -78,13 +83,13 @@ struct OrderedTriangles {
 };
 
 // Construction does what does not depend on the view: facets that pass through each other are cut apart, and a
-// hierarchy over all pieces is built, or a tree. sort() then finds pairs that overlap on the screen and in depth, decides
-// each by exact signs, orders them, and cuts only what hides each other in a cycle; or it walks the tree.
+// hierarchy over all pieces is built, or a tree. sort() then finds pairs that overlap on the screen and in depth,
+// decides each by exact signs, orders them, and cuts only what hides each other in a cycle; or it walks the tree.
 //
-// Facets without area and facets seen edge-on hide nothing and are hidden by nothing: from pairs, they come by their depth
-// alone; from a tree, those without area first. Facets in one plane, duplicates among them, make no constraint either: from
-// pairs, they come by depth, then by smaller id.
-// The order is the same for any thread count and instruction set.
+// Facets without area and facets seen edge-on hide nothing and are hidden by nothing: from pairs, they come by their
+// depth alone; from a tree, those without area first. Facets in one plane, duplicates among them, make no constraint
+// either: from pairs, they come by depth, then by smaller id. The order is the same for any thread count and
+// instruction set.
 //
 // One thread at a time; works in parallel in the caller's task arena. The mesh's arrays must outlive it.
 class ExactSorter {

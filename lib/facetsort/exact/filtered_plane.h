@@ -9,8 +9,9 @@
 
 namespace facetsort::exact_internal {
 
-// A plane through three vertices with a bound for its filter: with d = eye - corner (or the direction of an orthographic
-// eye), dot(normal, d) has the sign of the eye's side where it exceeds `error` times the sum of d's magnitudes.
+// A plane through three vertices with a bound for its filter: with d = eye - corner (or the direction of an
+// orthographic eye), dot(normal, d) has the sign of the eye's side where it exceeds `error` times the sum of d's
+// magnitudes.
 struct FilteredPlane {
   glm::dvec3 normal;
   double error;

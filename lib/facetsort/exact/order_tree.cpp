@@ -44,7 +44,9 @@ struct PlaneInFrame {
   double value(const glm::dvec3& p) const { return glm::dot(normal, p - origin); }
 };
 
-double entropy(double part, double all) { return part > 0 ? part * std::log(all / part) : 0; }
+double entropy(double part, double all) {
+  return part > 0 ? part * std::log(all / part) : 0;
+}
 
 // Some of the parts of a node, rounded, by which planes are judged: a cost need not be exact. In arrays, so that the
 // compiler can vectorise.
@@ -70,7 +72,7 @@ class Sample {
       for (std::uint32_t k = 0; k < corners; ++k) {
         // Of parts with more corners, some.
         const std::uint32_t corner = items[i].place_count <= corners ? std::min(k, items[i].place_count - 1)
-                                                                      : k * items[i].place_count / corners;
+                                                                     : k * items[i].place_count / corners;
         const glm::dvec3 place((places[items[i].first_place + corner] - origin_) * scale_);
         x_[k][count_] = place.x;
         y_[k][count_] = place.y;
@@ -156,7 +158,8 @@ class Grower {
     for (std::size_t i = 0; i < added.size(); ++i) {
       PointDefinition definition = points_.definition(static_cast<PointId>(first_point_ + i));
       if (definition.kind == PointDefinition::three_planes) {
-        definition = PointDefinition::of_planes(added_plane(definition.a), added_plane(definition.b), added_plane(definition.c));
+        definition =
+            PointDefinition::of_planes(added_plane(definition.a), added_plane(definition.b), added_plane(definition.c));
       } else {
         definition.c = added_plane(definition.c);
       }
@@ -243,8 +246,8 @@ class Grower {
     const glm::dvec3 origin(a);
     const glm::dvec3 u = (glm::dvec3(b) - origin) * frame_.scale, v = (glm::dvec3(c) - origin) * frame_.scale;
     PlaneInFrame plane{glm::cross(u, v), (origin - frame_.origin) * frame_.scale, 0};
-    // Places are below 2 in each coordinate, and off by 2^-51 and the error of points; the normal's coordinates are off by
-    // a few of their ulps.
+    // Places are below 2 in each coordinate, and off by 2^-51 and the error of points; the normal's coordinates are off
+    // by a few of their ulps.
     plane.error = sum_of_magnitudes(u) * sum_of_magnitudes(v) * (0x1p-45 + 4 * point_error_);
     return plane;
   }
@@ -322,7 +325,8 @@ class Grower {
     FacetId facet = job.items.front().facet;
     if (job.items.size() > 1) {
       const CutPlane through = choose_plane(job.items, facet);
-      // Rounding may mislead: three vertices may be on a line, or none of the parts in the plane or on one of its sides.
+      // Rounding may mislead: three vertices may be on a line, or none of the parts in the plane or on one of its
+      // sides.
       if (facet == OrderTree::none) {
         if (spans_a_plane(through) && distribute(job, plane_of(through), points_.add_plane(through), jobs)) return;
         facet = job.items.front().facet;
@@ -345,8 +349,13 @@ class Grower {
     if (job.parent != OrderTree::none) {
       (job.in_front ? tree_.nodes[job.parent].front : tree_.nodes[job.parent].back) = number;
     }
-    OrderTree::Node node{id, OrderTree::none, OrderTree::none, static_cast<std::uint32_t>(tree_.members.size()), 0,
-                         static_cast<std::uint32_t>(tree_.halvings.size()), 0};
+    OrderTree::Node node{id,
+                         OrderTree::none,
+                         OrderTree::none,
+                         static_cast<std::uint32_t>(tree_.members.size()),
+                         0,
+                         static_cast<std::uint32_t>(tree_.halvings.size()),
+                         0};
     Job front{{}, number, true}, back{{}, number, false};
     front.items.reserve(count[1] + count[3]);
     back.items.reserve(count[2] + count[3]);

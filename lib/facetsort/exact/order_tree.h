@@ -1,5 +1,5 @@
-// Internal to exact: a tree of planes over the parts of a mesh, from which a back-to-front order can be read for any eye
-// (Fuchs, Kedem and Naylor 1980, "On Visible Surface Generation by A Priori Tree Structures").
+// Internal to exact: a tree of planes over the parts of a mesh, from which a back-to-front order can be read for any
+// eye (Fuchs, Kedem and Naylor 1980, "On Visible Surface Generation by A Priori Tree Structures").
 #pragma once
 
 #include <cstddef>
@@ -22,7 +22,7 @@ struct OrderTree {
   // behind all before it, and what lies in the plane is between them.
   struct Node {
     PlaneId plane;
-    std::uint32_t front, back;  // nodes on the side of the plane's normal, and on the other; or none
+    std::uint32_t front, back;                   // nodes on the side of the plane's normal, and on the other; or none
     std::uint32_t first_member, member_count;    // parts in the plane
     std::uint32_t first_halving, halving_count;  // parts that the plane cuts in two
   };

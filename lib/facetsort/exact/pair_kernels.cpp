@@ -65,9 +65,9 @@ HWY_INLINE unsigned having_corner(const SlotBlock& block, std::uint32_t slot) {
   unsigned result = 0;
   const auto wanted = hn::Set(tag, slot);
   for (std::size_t at = 0; at < BoxBlock::size; at += hn::Lanes(tag)) {
-    const auto any = hn::Or(hn::Or(hn::Eq(hn::Load(tag, block.slot[0] + at), wanted),
-                                   hn::Eq(hn::Load(tag, block.slot[1] + at), wanted)),
-                            hn::Eq(hn::Load(tag, block.slot[2] + at), wanted));
+    const auto any = hn::Or(
+        hn::Or(hn::Eq(hn::Load(tag, block.slot[0] + at), wanted), hn::Eq(hn::Load(tag, block.slot[1] + at), wanted)),
+        hn::Eq(hn::Load(tag, block.slot[2] + at), wanted));
     result |= bits_of(tag, any) << at;
   }
   return result;
@@ -157,8 +157,8 @@ HWY_NOINLINE void compare_candidates(const Screenful& screen, Candidates& candid
 
     // Whether some edge of one has all of the other on its outer side. Corners that they share lie on the edge.
     Mask apart = none, overlap_sure = hn::Not(none);
-    const auto test_edges = [&](const Vec* px, const Vec* py, const hn::Vec<Slots>* p_slot, const Vec* qx, const Vec* qy,
-                                const auto& is_shared) HWY_ATTR {
+    const auto test_edges = [&](const Vec* px, const Vec* py, const hn::Vec<Slots>* p_slot, const Vec* qx,
+                                const Vec* qy, const auto& is_shared) HWY_ATTR {
       for (int i = 0; i < count; ++i) {
         const int to = (i + 1) % count;
         const auto ex = hn::Sub(px[to], px[i]), ey = hn::Sub(py[to], py[i]);
@@ -346,8 +346,8 @@ std::size_t CollectPairs(const Screenful& screen, std::size_t leaf, std::vector<
   const BoxLevels levels = screen.boxes;
   const BoxBlock& block = levels[0][leaf];
   const SlotBlock& corners = screen.slots[leaf];
-  const ScreenBox leaf_box = levels.size() > 1 ? levels[1][leaf / BoxBlock::size].box(leaf % BoxBlock::size)
-                                               : ScreenBox{};
+  const ScreenBox leaf_box =
+      levels.size() > 1 ? levels[1][leaf / BoxBlock::size].box(leaf % BoxBlock::size) : ScreenBox{};
   ScreenBox boxes[BoxBlock::size];
   bool flat[3][BoxBlock::size];
   for (std::size_t i = 0; i < BoxBlock::size; ++i) {
@@ -361,7 +361,8 @@ std::size_t CollectPairs(const Screenful& screen, std::size_t leaf, std::vector<
   PairFilter filter(screen, 0, pairs);
   for_each_block<in_depth>(levels, leaf_box, leaf, [&](std::size_t other) {
     unsigned rows = 0xffu;
-    if (other != leaf) rows = overlapping<in_depth>(block, levels[1][other / BoxBlock::size].box(other % BoxBlock::size));
+    if (other != leaf)
+      rows = overlapping<in_depth>(block, levels[1][other / BoxBlock::size].box(other % BoxBlock::size));
     for (; rows != 0; rows &= rows - 1) {
       const unsigned i = static_cast<unsigned>(std::countr_zero(rows));
       unsigned mask = overlapping<in_depth>(levels[0][other], boxes[i]);
@@ -386,7 +387,8 @@ void CollectPassed(const Screenful& screen, std::uint32_t element, const ScreenB
   PairFilter filter(screen, 1, pairs);
   for_each_block<of_key>(screen.boxes, box, 0, [&](std::size_t block) {
     for (unsigned mask = overlapping<of_key>(screen.boxes[0][block], box); mask != 0; mask &= mask - 1) {
-      const auto other = static_cast<std::uint32_t>(block * BoxBlock::size + static_cast<unsigned>(std::countr_zero(mask)));
+      const auto other =
+          static_cast<std::uint32_t>(block * BoxBlock::size + static_cast<unsigned>(std::countr_zero(mask)));
       if (passed.contain(other)) filter.add(element, other);
     }
   });
@@ -400,7 +402,8 @@ struct EdgeLanes {
   alignas(16) float x[4], y[4], offset[4];
   alignas(16) std::uint32_t from[4], to[4], line[4];
 
-  HWY_INLINE EdgeLanes(const OutlineIds& ids, const OutlinePlaces& places, float facing, float origin_x, float origin_y) {
+  HWY_INLINE EdgeLanes(const OutlineIds& ids, const OutlinePlaces& places, float facing, float origin_x,
+                       float origin_y) {
     for (int i = 0; i < 4; ++i) {
       const int next = (i + 1) % 4;
       x[i] = facing * (places.x[next] - places.x[i]);
@@ -429,9 +432,9 @@ HWY_INLINE Seen::Overlap overlap_by_edges(const EdgeLanes& edges, const OutlineI
     auto inside = hn::Not(outside);
     for (int k = 0; k < 4; ++k) {
       const auto slot = hn::Set(id_tag, ids.slot[k]);
-      const auto on_line = hn::RebindMask(
-          tag, hn::Or(hn::Or(hn::Eq(from, slot), hn::Eq(to, slot)),
-                      hn::Or(hn::Eq(line, hn::Set(id_tag, ids.after[k])), hn::Eq(line, hn::Set(id_tag, ids.before[k])))));
+      const auto on_line = hn::RebindMask(tag, hn::Or(hn::Or(hn::Eq(from, slot), hn::Eq(to, slot)),
+                                                      hn::Or(hn::Eq(line, hn::Set(id_tag, ids.after[k])),
+                                                             hn::Eq(line, hn::Set(id_tag, ids.before[k])))));
       const auto outward = hn::MulAdd(x, hn::Set(tag, places.y[k] - origin_y),
                                       hn::NegMulAdd(y, hn::Set(tag, places.x[k] - origin_x), offset));
       outside = hn::And(outside, hn::Or(on_line, hn::Gt(outward, outer)));
@@ -465,7 +468,8 @@ class OverlapFilter {
 
   // Of outline `outline` of an element, relative to the first corner of this one's own.
   HWY_INLINE EdgeLanes edges_of(std::uint32_t element, std::uint32_t outline) const {
-    return EdgeLanes(outlines_.ids[outline], outlines_.places[outline], outlines_.facing[element], origin_x(), origin_y());
+    return EdgeLanes(outlines_.ids[outline], outlines_.places[outline], outlines_.facing[element], origin_x(),
+                     origin_y());
   }
   float origin_x() const { return outlines_.places[element_].x[0]; }
   float origin_y() const { return outlines_.places[element_].y[0]; }

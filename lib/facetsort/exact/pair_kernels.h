@@ -9,8 +9,8 @@
 
 namespace facetsort::exact_internal {
 
-// What a box bounds. On the plane of the screen `diagonal` is x + y: with the two diagonals, thin facets askew have tight
-// boxes. On the sphere it is z.
+// What a box bounds. On the plane of the screen `diagonal` is x + y: with the two diagonals, thin facets askew have
+// tight boxes. On the sphere it is z.
 enum BoxDimension : std::size_t { across, down, diagonal, other_diagonal, in_depth, of_key };
 inline constexpr std::size_t box_dimensions = 6;
 
@@ -56,8 +56,8 @@ struct alignas(64) Patch {
   };
   Corner corner[4];
 
-  // Of what has more corners, the slots tell that there are several patches, where the first is, and how many there are;
-  // together they make up the element. What has no area on the screen is unknown.
+  // Of what has more corners, the slots tell that there are several patches, where the first is, and how many there
+  // are; together they make up the element. What has no area on the screen is unknown.
   bool is_one() const { return corner[0].slot < several; }
   bool is_unknown() const { return corner[0].slot == unknown; }
   bool is_triangle() const { return corner[3].slot == corner[2].slot; }
@@ -90,9 +90,9 @@ struct Screenful {
   float rounding;                           // of the coordinates of patches
 };
 
-// Appends the pairs of elements whose boxes overlap on the screen and in depth, a in block `leaf` and b after a, but those that share a slot of a
-// flat fan, those that are certainly apart on the screen, and those where the one behind certainly is the one with the
-// larger key. Returns how many boxes overlap, pairs left out included.
+// Appends the pairs of elements whose boxes overlap on the screen and in depth, a in block `leaf` and b after a, but
+// those that share a slot of a flat fan, those that are certainly apart on the screen, and those where the one behind
+// certainly is the one with the larger key. Returns how many boxes overlap, pairs left out included.
 std::size_t collect_pairs(const Screenful& screen, std::size_t leaf, std::vector<ElementPair>& pairs);
 
 // What an element is pulled past: from the rank `begin`, where it is pulled to, to its own, but nothing that is pulled
@@ -113,9 +113,9 @@ struct PassedRanks {
 void collect_passed(const Screenful& screen, std::uint32_t element, const ScreenBox& box, const PassedRanks& passed,
                     std::vector<ElementPair>& pairs);
 
-// Up to four corners of an element, wound as its facet is; the last of three comes twice. What has more corners is made of
-// several. Here is what they are known by: `slot` the point, `edge` the line of the edge to the next corner, `after` and
-// `before` the lines of the element's edges from and to the corner. Lines are numbered; a diagonal has none.
+// Up to four corners of an element, wound as its facet is; the last of three comes twice. What has more corners is made
+// of several. Here is what they are known by: `slot` the point, `edge` the line of the edge to the next corner, `after`
+// and `before` the lines of the element's edges from and to the corner. Lines are numbered; a diagonal has none.
 struct alignas(64) OutlineIds {
   static constexpr std::uint32_t no_line = 0xffffffffu;
 
@@ -152,8 +152,8 @@ struct Candidate {
   Seen::Overlap overlap;
 };
 
-// Of those in a row from place `begin` to `end`, appends the ones that are not certainly apart from `element`, whose box is
-// `box`. Stops when there are any, and returns the place to go on from.
+// Of those in a row from place `begin` to `end`, appends the ones that are not certainly apart from `element`, whose
+// box is `box`. Stops when there are any, and returns the place to go on from.
 std::size_t collect_in_row(const Outlines& outlines, const RowView& row, std::uint32_t element, const ScreenBox& box,
                            std::size_t begin, std::size_t end, std::vector<Candidate>& candidates);
 

@@ -34,8 +34,9 @@ inline PlanePoints points_of(const MeshView& mesh, const CutPlane& plane) {
   return points;
 }
 
-// One side of a plane: +1 the side that its normal (b - a) x (c - a) points to, -1 the other. A point in the plane belongs
-// to neither; what covers pixels decides such points by the top-left rule, which gives each to exactly one of the two.
+// One side of a plane: +1 the side that its normal (b - a) x (c - a) points to, -1 the other. A point in the plane
+// belongs to neither; what covers pixels decides such points by the top-left rule, which gives each to exactly one of
+// the two.
 struct Cut {
   std::uint32_t plane;  // see Pieces
   std::int32_t side;

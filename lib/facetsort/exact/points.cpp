@@ -218,8 +218,8 @@ std::pair<glm::dvec3, double> approximate(const Points& points, const PointDefin
   const glm::dvec3 ab = corner[1] - corner[0], ac = corner[2] - corner[0];
   const glm::dvec3 offset = (weight.y * ab + weight.z * ac) / sum;
   const double reach = sum_of_magnitudes(ab) + sum_of_magnitudes(ac);
-  return {corner[0] + offset, reach * (8 * weight_error / certain + 8 * half_epsilon) +
-                                  4 * half_epsilon * sum_of_magnitudes(corner[0])};
+  return {corner[0] + offset,
+          reach * (8 * weight_error / certain + 8 * half_epsilon) + 4 * half_epsilon * sum_of_magnitudes(corner[0])};
 }
 
 // The point in double, and a bound on its error that leaves it of use in a filter.
@@ -313,7 +313,8 @@ bool Points::known_in_plane(PointId point, PlaneId plane) const {
   if (is_vertex(point)) return known_vertex_in_plane(point, plane);
   const PointDefinition& d = definition(point);
   if (same_plane(d.c) == same_plane(plane)) return true;
-  if (d.kind == PointDefinition::edge_and_plane) return known_vertex_in_plane(d.a, plane) && known_vertex_in_plane(d.b, plane);
+  if (d.kind == PointDefinition::edge_and_plane)
+    return known_vertex_in_plane(d.a, plane) && known_vertex_in_plane(d.b, plane);
   return same_plane(d.a) == same_plane(plane) || same_plane(d.b) == same_plane(plane);
 }
 
@@ -335,8 +336,8 @@ bool Points::known_collinear(PointId a, PointId b, PointId c) const {
       if (!all_in_plane(d.c)) continue;
       for (std::uint32_t i = space_->around_begin[d.a]; i < space_->around_begin[d.a + 1]; ++i) {
         const FacetId facet = space_->around[i];
-        const bool has_edge = space_->corner(facet, 0) == d.b || space_->corner(facet, 1) == d.b ||
-                              space_->corner(facet, 2) == d.b;
+        const bool has_edge =
+            space_->corner(facet, 0) == d.b || space_->corner(facet, 1) == d.b || space_->corner(facet, 2) == d.b;
         if (has_edge && all_in_plane(facet)) return true;
       }
       continue;
@@ -354,9 +355,8 @@ int Points::orientation(PointId a, PointId b, PointId c, PointId d) const {
   }
   const glm::dvec3 origin = position(a);
   const double origin_error = error(a);
-  const Bounded value =
-      bounded_determinant(position(b) - origin, error(b) + origin_error, position(c) - origin,
-                          error(c) + origin_error, position(d) - origin, error(d) + origin_error);
+  const Bounded value = bounded_determinant(position(b) - origin, error(b) + origin_error, position(c) - origin,
+                                            error(c) + origin_error, position(d) - origin, error(d) + origin_error);
   if (std::abs(value.value) > value.error) return sign(value.value);
   if (known_collinear(a, b, c) || known_collinear(a, b, d) || known_collinear(a, c, d) || known_collinear(b, c, d)) {
     return 0;
@@ -365,8 +365,8 @@ int Points::orientation(PointId a, PointId b, PointId c, PointId d) const {
   const std::array all = {coordinates_of(*this, a), coordinates_of(*this, b), coordinates_of(*this, c),
                           coordinates_of(*this, d)};
   const int exponent = lowest_exponent(all);
-  return exact_orientation(exact_point(all[0], exponent), exact_point(all[1], exponent),
-                           exact_point(all[2], exponent), exact_point(all[3], exponent));
+  return exact_orientation(exact_point(all[0], exponent), exact_point(all[1], exponent), exact_point(all[2], exponent),
+                           exact_point(all[3], exponent));
 }
 
 int Points::turn(PointId a, PointId b, PointId c, const Eye& eye) const {
@@ -375,9 +375,9 @@ int Points::turn(PointId a, PointId b, PointId c, const Eye& eye) const {
   }
   const glm::dvec3 origin = position(a), target(eye);
   const double origin_error = error(a);
-  const Bounded value = bounded_determinant(position(b) - origin, error(b) + origin_error, position(c) - origin,
-                                            error(c) + origin_error, eye.w == 0 ? target : target - origin,
-                                            eye.w == 0 ? 0 : origin_error);
+  const Bounded value =
+      bounded_determinant(position(b) - origin, error(b) + origin_error, position(c) - origin, error(c) + origin_error,
+                          eye.w == 0 ? target : target - origin, eye.w == 0 ? 0 : origin_error);
   if (std::abs(value.value) > value.error) return sign(value.value);
   if (known_collinear(a, b, c)) return 0;
   ++fallback_count;
@@ -386,8 +386,8 @@ int Points::turn(PointId a, PointId b, PointId c, const Eye& eye) const {
   const int exponent = lowest_exponent(all);
   ExactPoint exact_eye = exact_point(seen_from, exponent);
   if (eye.w == 0) exact_eye.w = 0;
-  return exact_orientation(exact_point(all[0], exponent), exact_point(all[1], exponent),
-                           exact_point(all[2], exponent), exact_eye);
+  return exact_orientation(exact_point(all[0], exponent), exact_point(all[1], exponent), exact_point(all[2], exponent),
+                           exact_eye);
 }
 
 int Points::side(PlaneId plane, PointId point) const {

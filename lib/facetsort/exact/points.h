@@ -1,8 +1,8 @@
 // Internal to exact: points that facets and cuts define, and signs on them that are never wrong.
 //
-// A point is a vertex of the mesh, or where a cut's plane meets an edge of the mesh, or where the planes of three facets
-// meet. Such a point is rational in the float32 input and is never rounded in a decision: a double stands for it, with a
-// bound on its error, in a filter, and integers where the filter is undecided.
+// A point is a vertex of the mesh, or where a cut's plane meets an edge of the mesh, or where the planes of three
+// facets meet. Such a point is rational in the float32 input and is never rounded in a decision: a double stands for
+// it, with a bound on its error, in a filter, and integers where the filter is undecided.
 #pragma once
 
 #include <cmath>
@@ -20,7 +20,9 @@
 
 namespace facetsort::exact_internal {
 
-inline double sum_of_magnitudes(const glm::dvec3& v) { return std::abs(v.x) + std::abs(v.y) + std::abs(v.z); }
+inline double sum_of_magnitudes(const glm::dvec3& v) {
+  return std::abs(v.x) + std::abs(v.y) + std::abs(v.z);
+}
 
 using FacetId = std::uint32_t;
 using PointId = std::uint32_t;
@@ -58,8 +60,8 @@ struct PointSpace {
 };
 
 // Points and planes by id. Points below the mesh's vertex count are vertices, planes below its facet count are those of
-// facets; the rest are added. They may stand on those of a base, whose ids they share and which must not grow meanwhile.
-// Reading is thread-safe.
+// facets; the rest are added. They may stand on those of a base, whose ids they share and which must not grow
+// meanwhile. Reading is thread-safe.
 class Points {
  public:
   explicit Points(const PointSpace& space)
@@ -146,7 +148,7 @@ class Points {
 
   const PointSpace* space_;
   const Points* base_ = nullptr;
-  std::size_t first_;  // id of made_[0]
+  std::size_t first_;        // id of made_[0]
   std::size_t first_plane_;  // id of planes_[0]
   std::vector<Made> made_;
   std::vector<CutPlane> planes_;

@@ -22,11 +22,13 @@ class Precedence {
  public:
   // `ids` are the draw ids in the order by depth. Parallel in the caller's task arena; the same for any thread count.
   // Keeps its storage.
-  void find(const Relation& relation, const Screen& screen, const Elements& elements, std::span<const std::uint32_t> ids);
+  void find(const Relation& relation, const Screen& screen, const Elements& elements,
+            std::span<const std::uint32_t> ids);
 
   // Elements in the order by depth: rank 0 is the farthest.
   std::span<const std::uint32_t> element_at() const { return element_at_; }
-  // By rank, the ranks of what is behind and has to be drawn before, ascending; those left out come earlier in any case.
+  // By rank, the ranks of what is behind and has to be drawn before, ascending; those left out come earlier in any
+  // case.
   const NodeLists& behind() const { return behind_; }
 
   std::size_t candidate_pairs() const { return candidate_pairs_; }
@@ -55,10 +57,10 @@ class Precedence {
 
   tbb::enumerable_thread_specific<Worker> workers_;
   std::vector<std::uint32_t> element_at_, rank_of_;
-  std::vector<HidingPair> edges_;            // by rank: the first has to be drawn before the second
-  std::vector<std::uint32_t> first_, next_;  // lists of edges by their second: by rank, by edge
-  std::vector<std::uint32_t> place_;         // by rank: the rank that the element is pulled to, or its own
-  std::vector<std::uint32_t> searched_;      // by rank: the smallest that was searched from
+  std::vector<HidingPair> edges_;              // by rank: the first has to be drawn before the second
+  std::vector<std::uint32_t> first_, next_;    // lists of edges by their second: by rank, by edge
+  std::vector<std::uint32_t> place_;           // by rank: the rank that the element is pulled to, or its own
+  std::vector<std::uint32_t> searched_;        // by rank: the smallest that was searched from
   std::vector<std::uint32_t> pulled_, stack_;  // in the round at hand
   NodeLists behind_;
   std::size_t candidate_pairs_ = 0, broken_ = 0, searches_ = 0;

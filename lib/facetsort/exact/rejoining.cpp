@@ -18,8 +18,8 @@ bool overlap(const ScreenBox& a, const ScreenBox& b) {
 
 }  // namespace
 
-// Takes `other` along, where an element that is on its way past can't pass it. (In the order as it is, neither hides one
-// that comes later: so it is enough that they overlap.) Returns false where it can't go along.
+// Takes `other` along, where an element that is on its way past can't pass it. (In the order as it is, neither hides
+// one that comes later: so it is enough that they overlap.) Returns false where it can't go along.
 bool Rejoining::take_if_passed(std::uint32_t element, const Candidate& other, std::uint32_t target,
                                std::size_t most_moved) {
   if (moving_[other.element] != 0 || !relation_.overlap(element, other)) return true;

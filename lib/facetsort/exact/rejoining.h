@@ -25,20 +25,24 @@ struct RejoiningScratch {
   std::vector<std::uint32_t> moved;
 };
 
-// In a row of elements none of which hides one that comes later, one half of a part can go to where the other is, past all
-// that is between them but what it hides or is hidden by; that has to go with it, and so on, unless it comes upon the other
-// half. (As in keeping a topological order of a graph that gets a new edge: Pearce and Kelly 2006, "A Dynamic Topological
-// Sort Algorithm for Directed Acyclic Graphs".)
+// In a row of elements none of which hides one that comes later, one half of a part can go to where the other is, past
+// all that is between them but what it hides or is hidden by; that has to go with it, and so on, unless it comes upon
+// the other half. (As in keeping a topological order of a graph that gets a new edge: Pearce and Kelly 2006, "A Dynamic
+// Topological Sort Algorithm for Directed Acyclic Graphs".)
 class Rejoining {
  public:
   // `moving`: of all elements, none; left so. Threads that share it and the row have to work on different elements.
   Rejoining(const Relation& relation, const Screen& screen, const Elements& elements, Row& row,
             std::vector<unsigned char>& moving, RejoiningScratch& scratch)
-      : relation_(relation), screen_(screen), outlines_(screen.outlines(elements)), row_(row), moving_(moving),
+      : relation_(relation),
+        screen_(screen),
+        outlines_(screen.outlines(elements)),
+        row_(row),
+        moving_(moving),
         scratch_(scratch) {}
 
-  // Puts `whole` into the row in place of its halves, where that can be. Does nothing where it can't, where too much would
-  // have to move, or where a half is not in the row.
+  // Puts `whole` into the row in place of its halves, where that can be. Does nothing where it can't, where too much
+  // would have to move, or where a half is not in the row.
   bool rejoin(std::uint32_t whole, std::uint32_t first, std::uint32_t second);
 
  private:

@@ -6,8 +6,8 @@ SeenPart Relation::seen_part(std::uint32_t element) const {
   return {elements_.facet[element], screen_.facing(element), elements_.corners(element)};
 }
 
-// Where `element` is a piece that a cut along the plane of `other` bounds: +1 when it lies beyond that plane, -1 when it
-// lies before it; 0 where there is no such cut.
+// Where `element` is a piece that a cut along the plane of `other` bounds: +1 when it lies beyond that plane, -1 when
+// it lies before it; 0 where there is no such cut.
 int Relation::behind_by_cut(std::uint32_t element, std::uint32_t other) const {
   if (elements_.is_whole(element)) return 0;
   const PointSpace& space = points_.space();

@@ -41,8 +41,8 @@ void Row::resize(const Screen& screen, std::size_t places, std::size_t elements)
 }
 
 void Row::clear(std::size_t begin, std::size_t end) {
-  std::fill(first_at_.begin() + static_cast<std::ptrdiff_t>(begin), first_at_.begin() + static_cast<std::ptrdiff_t>(end),
-            none);
+  std::fill(first_at_.begin() + static_cast<std::ptrdiff_t>(begin),
+            first_at_.begin() + static_cast<std::ptrdiff_t>(end), none);
   for (std::size_t block = begin / 8; block < end / 8; ++block) {
     for (std::size_t lane = 0; lane < PlaceBlock::size; ++lane) clear_box(boxes_[block], lane);
   }
@@ -56,7 +56,8 @@ void Row::put(std::uint32_t element, std::uint32_t place) {
 }
 
 void Row::bound(std::size_t begin, std::size_t end) {
-  for (std::size_t block = begin / 8; block < end / 8; ++block) bound_block(boxes_[block], eights_[block / 8], block % 8);
+  for (std::size_t block = begin / 8; block < end / 8; ++block)
+    bound_block(boxes_[block], eights_[block / 8], block % 8);
   for (std::size_t block = begin / 64; block < end / 64; ++block) {
     bound_block(eights_[block], sixty_fours_[block / 8], block % 8);
   }
@@ -101,6 +102,8 @@ void Row::insert_before(std::uint32_t element, std::uint32_t other) {
   insert(element, link_to(other), place_of_[other]);
 }
 
-void Row::insert_after(std::uint32_t element, std::uint32_t other) { insert(element, next_[other], place_of_[other]); }
+void Row::insert_after(std::uint32_t element, std::uint32_t other) {
+  insert(element, next_[other], place_of_[other]);
+}
 
 }  // namespace facetsort::exact_internal

@@ -21,11 +21,13 @@ constexpr double float_rounding = 0x1p-23;
 constexpr double nearest_squared = 0x1p-48;
 constexpr float unknown_direction = 4;
 
-// On the screen all of the mesh, which is about 1 in size, lies within 75 degrees of the axis and no nearer to the eye's
-// plane than this.
+// On the screen all of the mesh, which is about 1 in size, lies within 75 degrees of the axis and no nearer to the
+// eye's plane than this.
 constexpr double nearest_depth = 0x1p-6;
 
-double magnitude(double x, double y) { return std::abs(x) + std::abs(y); }
+double magnitude(double x, double y) {
+  return std::abs(x) + std::abs(y);
+}
 
 int eye_side(const MeshView& mesh, const FilteredPlane& plane, FacetId facet, const Eye& eye) {
   const int side = filtered_side(plane, eye);
@@ -35,8 +37,9 @@ int eye_side(const MeshView& mesh, const FilteredPlane& plane, FacetId facet, co
 // A unit vector.
 glm::dvec3 perpendicular_to(const glm::dvec3& axis) {
   const glm::dvec3 a = glm::abs(axis);
-  const glm::dvec3 other = a.x <= a.y && a.x <= a.z ? glm::dvec3(1, 0, 0) : a.y <= a.z ? glm::dvec3(0, 1, 0)
-                                                                                      : glm::dvec3(0, 0, 1);
+  const glm::dvec3 other = a.x <= a.y && a.x <= a.z ? glm::dvec3(1, 0, 0)
+                           : a.y <= a.z             ? glm::dvec3(0, 1, 0)
+                                                    : glm::dvec3(0, 0, 1);
   return glm::normalize(glm::cross(axis, other));
 }
 
@@ -47,7 +50,8 @@ void Screen::choose_projection(const Elements& elements, const Eye& eye) {
   viewpoint_ = {eye, false};
   if (!perspective_) {
     const glm::dvec3 towards_viewer(eye);
-    const double largest = std::max({std::abs(towards_viewer.x), std::abs(towards_viewer.y), std::abs(towards_viewer.z)});
+    const double largest =
+        std::max({std::abs(towards_viewer.x), std::abs(towards_viewer.y), std::abs(towards_viewer.z)});
     forward_ = -glm::normalize(towards_viewer / largest);
   } else {
     eye_ = (glm::dvec3(eye) - elements.frame.origin) * elements.frame.scale;
@@ -81,9 +85,8 @@ void Screen::choose_projection(const Elements& elements, const Eye& eye) {
 void Screen::see_points(const Elements& elements) {
   seen_.resize(elements.slot_position.size());
   const double distance = glm::length(eye_);
-  const double nearest_known =
-      std::max(nearest_squared * (1 + glm::dot(elements.extent, elements.extent)),
-               0x1p+46 * elements.largest_error * elements.largest_error);
+  const double nearest_known = std::max(nearest_squared * (1 + glm::dot(elements.extent, elements.extent)),
+                                        0x1p+46 * elements.largest_error * elements.largest_error);
   screen_points_.resize(seen_.size());
   parallel_ranges(seen_.size(), slots_per_task, [&](std::size_t begin, std::size_t end) {
     for (std::size_t slot = begin; slot < end; ++slot) {
@@ -139,8 +142,8 @@ void Screen::place_elements(const Points& points, const Elements& elements, std:
           const auto slots = elements.slots(element);
           for (const std::uint32_t slot : slots) {
             const SeenPoint& p = seen_[slot];
-            const float c[box_dimensions] = {p.x, p.y, surrounded ? p.z : p.x + p.y, p.x - p.y, surrounded ? p.depth : p.z,
-                                             p.depth};
+            const float c[box_dimensions] = {
+                p.x, p.y, surrounded ? p.z : p.x + p.y, p.x - p.y, surrounded ? p.depth : p.z, p.depth};
             for (std::size_t d = 0; d < box_dimensions; ++d) {
               lowest[d] = std::min(lowest[d], c[d]);
               highest[d] = std::max(highest[d], c[d]);
@@ -161,8 +164,8 @@ void Screen::place_elements(const Points& points, const Elements& elements, std:
             place_outlines(elements, element);
             spans_[element] = (highest[across] - lowest[across]) + (highest[down] - lowest[down]);
           }
-          const float depth_margin = surrounded ? 4 * static_cast<float>(float_rounding) * highest[in_depth]
-                                                : screen_margin;
+          const float depth_margin =
+              surrounded ? 4 * static_cast<float>(float_rounding) * highest[in_depth] : screen_margin;
           for (std::size_t d = 0; d < of_key; ++d) {
             const float margin = d < in_depth ? screen_margin : depth_margin;
             lowest[d] -= margin;
@@ -295,9 +298,9 @@ void Screen::find_flat_fans(const Elements& elements) {
 void Screen::look(const Points& points, const Elements& elements, const Eye& eye, std::vector<float>& keys) {
   choose_projection(elements, eye);
   see_points(elements);
-  // With u = 2^-24 and coordinates up to m, those of a patch are off by u m, by 4 u m when taken relative to another, and
-  // differences of such by 10 u m. A sum of two products of two of these is off by less than 34 u m times their reach,
-  // which is within four times this.
+  // With u = 2^-24 and coordinates up to m, those of a patch are off by u m, by 4 u m when taken relative to another,
+  // and differences of such by 10 u m. A sum of two products of two of these is off by less than 34 u m times their
+  // reach, which is within four times this.
   patch_rounding_ = static_cast<float>(6 * float_rounding * largest_ + 4 * rounding_);
   place_elements(points, elements, keys);
 }
@@ -484,7 +487,8 @@ Seen::Overlap Screen::overlap_of(std::span<const std::uint32_t, a_extent> a_slot
   const auto plane_through_eye = [&](std::uint32_t from, std::uint32_t to, int facing) {
     const glm::dvec3 p = at(from), q = at(to);
     const double sp = sum_of_magnitudes(p) + error, sq = sum_of_magnitudes(q) + error;
-    return EyePlane{static_cast<double>(facing) * glm::cross(p, q), 0x1p-48 * sp * sq + error * (sp + sq), error * sp * sq};
+    return EyePlane{static_cast<double>(facing) * glm::cross(p, q), 0x1p-48 * sp * sq + error * (sp + sq),
+                    error * sp * sq};
   };
   const auto part = [&](const auto& make_edge) {
     const Edges by_a = edges_part(a_slots, a_facing, b_slots, make_edge);
@@ -504,9 +508,9 @@ Seen::Overlap Screen::overlap_of(std::span<const std::uint32_t, a_extent> a_slot
 
 std::size_t Screen::memory_bytes() const {
   std::size_t bytes = seen_.capacity() * sizeof(SeenPoint) + facing_.capacity() + flat_fan_.capacity() +
-                      screen_points_.capacity() * sizeof(ScreenPoint) +
-                      patches_.capacity() * sizeof(Patch) + outline_places_.capacity() * sizeof(OutlinePlaces) +
-                      spans_.capacity() * sizeof(float) + keys_.capacity() * sizeof(float);
+                      screen_points_.capacity() * sizeof(ScreenPoint) + patches_.capacity() * sizeof(Patch) +
+                      outline_places_.capacity() * sizeof(OutlinePlaces) + spans_.capacity() * sizeof(float) +
+                      keys_.capacity() * sizeof(float);
   for (const std::vector<BoxBlock>& level : levels_) bytes += level.capacity() * sizeof(BoxBlock);
   return bytes;
 }

@@ -13,8 +13,9 @@
 
 namespace facetsort::exact_internal {
 
-// A point as the eye sees it, rounded. Where a plane has all of the mesh in front of the eye, x and y are on it, z is minus
-// the nearness of ScreenPoint, and depth is along its axis. Otherwise (x, y, z) is the direction on the unit sphere, and depth the squared distance.
+// A point as the eye sees it, rounded. Where a plane has all of the mesh in front of the eye, x and y are on it, z is
+// minus the nearness of ScreenPoint, and depth is along its axis. Otherwise (x, y, z) is the direction on the unit
+// sphere, and depth the squared distance.
 struct SeenPoint {
   float x, y, z, depth;
 };
@@ -87,8 +88,8 @@ class Screen {
   glm::dvec3 eye_{0};  // in the frame; orthographic: unused
   glm::dvec3 right_{0}, down_{0}, forward_{0};
   bool perspective_ = false;
-  double unit_ = 1;        // of the screen's coordinates
-  double largest_ = 1;     // of their magnitudes
+  double unit_ = 1;     // of the screen's coordinates
+  double largest_ = 1;  // of their magnitudes
   double rounding_ = 0;
   std::vector<SeenPoint> seen_;
   std::vector<ScreenPoint> screen_points_;

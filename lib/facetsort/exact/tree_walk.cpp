@@ -45,7 +45,8 @@ void TreeWalk::find_sides(const Eye& eye) {
       int side = filtered_side(planes_[i], eye);
       if (side == 0) {
         const CutPlane plane = points_->plane(tree_->nodes[i].plane);
-        side = side_of_plane(space.position(plane.first), space.position(plane.second), space.position(plane.third), eye);
+        side =
+            side_of_plane(space.position(plane.first), space.position(plane.second), space.position(plane.third), eye);
       }
       sides_[i] = static_cast<std::int8_t>(side);
     }

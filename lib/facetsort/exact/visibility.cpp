@@ -117,8 +117,7 @@ Hiding hiding_of_overlapping(const Points& points, const Viewpoint& from, const 
   // screen tells.
   for (std::size_t i = 0; i < a.corners.size(); ++i) {
     for (std::size_t j = 0; j < b.corners.size(); ++j) {
-      const int nearer =
-          nearer_edge(points, from, a.corners[i], next_corner(a, i), b.corners[j], next_corner(b, j));
+      const int nearer = nearer_edge(points, from, a.corners[i], next_corner(a, i), b.corners[j], next_corner(b, j));
       if (nearer != 0) return from_sign(nearer);
     }
   }

@@ -22,8 +22,9 @@ struct Viewpoint {
 
 enum class Hiding { none, first_behind_second, second_behind_first };
 
-// Exact, for parts that do not cross: none where no half-line from the eye meets the inside of both, or where both lie in
-// one plane. Orthographic eyes see whole lines. For parts that cross, which cutting has to prevent, any answer may come.
+// Exact, for parts that do not cross: none where no half-line from the eye meets the inside of both, or where both lie
+// in one plane. Orthographic eyes see whole lines. For parts that cross, which cutting has to prevent, any answer may
+// come.
 Hiding hiding(const Points& points, const Viewpoint& from, const SeenPart& a, const SeenPart& b);
 
 // Whether some half-line from the eye meets the inside of both; exact, for any parts.

@@ -286,6 +286,8 @@ void Sorter::State::prepare(std::span<const glm::uvec3> triangles, const Strided
       compute(FacetPoint::corner_2, points[2]);
       break;
     case Method::exact:
+    case Method::exact_tree:
+    case Method::exact_tree_pieces:
       assert(false && "not a depth key");
   }
   if (options.cull_back_faces) compute_normals(triangles, positions, normals);

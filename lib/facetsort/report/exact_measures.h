@@ -22,17 +22,20 @@ struct ExactTime {
 };
 
 // In the order of the members.
-inline constexpr std::array<ExactCount, 15> exact_counts{
+inline constexpr std::array<ExactCount, 18> exact_counts{
     {{"crossing_pairs", &ExactStatistics::crossing_pairs},
      {"crossing_pairs_uncut", &ExactStatistics::crossing_pairs_uncut},
      {"prepared_cuts", &ExactStatistics::prepared_cuts},
      {"prepared_pieces", &ExactStatistics::prepared_pieces},
+     {"tree_nodes", &ExactStatistics::tree_nodes},
+     {"tree_cuts", &ExactStatistics::tree_cuts},
      {"candidate_pairs", &ExactStatistics::candidate_pairs},
      {"constraints", &ExactStatistics::constraints},
      {"searches", &ExactStatistics::searches},
      {"components", &ExactStatistics::components},
      {"pieces_in_cycles", &ExactStatistics::pieces_in_cycles},
      {"largest_component", &ExactStatistics::largest_component},
+     {"rejoined_cuts", &ExactStatistics::rejoined_cuts},
      {"view_cuts", &ExactStatistics::view_cuts},
      {"unordered_pairs", &ExactStatistics::unordered_pairs},
      {"predicate_fallbacks", &ExactStatistics::predicate_fallbacks},
