@@ -1,0 +1,150 @@
+// Internal to blend: facets of one colour each drawn into one tile, in the order given, where no depth is looked at.
+//
+// A pixel's four channels lie together: that takes as many operations as a plane a channel where many pixels in a row
+// are covered, and fewer where few are, as by small facets.
+#if defined(FACETSORT_BLEND_DRAW_FLAT_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef FACETSORT_BLEND_DRAW_FLAT_INL_H
+#undef FACETSORT_BLEND_DRAW_FLAT_INL_H
+#else
+#define FACETSORT_BLEND_DRAW_FLAT_INL_H
+#endif
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstring>
+#include <span>
+
+#include "facetsort/blend/covered_rows-inl.h"
+#include "facetsort/blend/paint-inl.h"
+#include "facetsort/blend/tile_kernels.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace facetsort::blend_internal::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+// The colours of a tile, in units of the format.
+struct alignas(64) FlatTile {
+  float channels[4 * tile_size * tile_size];
+
+  float* pixel(int x, int y) { return channels + 4 * (y * tile_size + x); }
+};
+
+// A pixel, or the part of one that fits a vector; and as many pixels as fit.
+using PixelTag = hn::CappedTag<float, 4>;
+using PixelsTag = hn::CappedTag<float, 16>;
+
+// What one facet adds to each pixel that it covers, in units of the format.
+struct FlatSource {
+  HWY_ALIGN float colour[4];
+  float transparency;
+};
+
+template <bool eight_bits, class D>
+HWY_INLINE void blend_vector(D d, hn::VFromD<D> source, hn::VFromD<D> transparency, float* channels) {
+  auto blended = hn::Add(source, hn::Mul(hn::LoadU(d, channels), transparency));
+  if (eight_bits) blended = hn::Round(blended);
+  hn::StoreU(blended, d, channels);
+}
+
+template <bool eight_bits>
+HWY_INLINE void blend_pixel(const FlatSource& source, float* pixel) {
+  const PixelTag d;
+  const auto transparency = hn::Set(d, source.transparency);
+  for (std::size_t k = 0; k < 4; k += hn::Lanes(d)) {
+    blend_vector<eight_bits>(d, hn::Load(d, source.colour + k), transparency, pixel + k);
+  }
+}
+
+// Into each pixel of a square that begins at `corner`.
+template <bool eight_bits>
+HWY_INLINE void blend_square(const FlatSource& source, PixelSquare square, float* corner) {
+  for (; square != 0; square &= square - 1) {
+    const int bit = std::countr_zero(square);
+    blend_pixel<eight_bits>(source, corner + 4 * (bit / square_size * tile_size + bit % square_size));
+  }
+}
+
+// Into `count` pixels in a row.
+template <bool eight_bits>
+HWY_INLINE void blend_run(const FlatSource& source, int count, float* pixel) {
+  const PixelsTag d;
+  const int step = static_cast<int>(hn::Lanes(d)) / 4;
+  if (step > 0) {
+    const auto colours = hn::LoadDup128(d, source.colour);
+    const auto transparency = hn::Set(d, source.transparency);
+    for (; count >= step; count -= step, pixel += 4 * step) {
+      blend_vector<eight_bits>(d, colours, transparency, pixel);
+    }
+  }
+  for (; count > 0; --count, pixel += 4) blend_pixel<eight_bits>(source, pixel);
+}
+
+// Into each pixel of a row that starts at `row`. More than one run of pixels is seen only where the near plane cuts.
+template <bool eight_bits>
+HWY_INLINE void blend_row(const FlatSource& source, RowBits bits, float* row) {
+  while (bits != 0) {
+    const int first = std::countr_zero(bits), count = std::countr_one(bits >> first);
+    blend_run<eight_bits>(source, count, row + 4 * first);
+    bits &= bits + (RowBits{1} << first);  // carries through the run
+  }
+}
+
+// Colours of facets, and what finds the pixels of those on the grid, are all over memory: they are fetched ahead.
+HWY_INLINE void prefetch_for(const TileTask& task, std::span<const BinEntry> entries, std::size_t k) {
+  constexpr std::size_t distance = 16;
+  if (k + distance >= entries.size()) return;
+  const BinEntry& ahead = entries[k + distance];
+  hwy::Prefetch(&task.colours[ahead.facet]);
+  if (ahead.how() != Coverage::known) hwy::Prefetch(&task.projected.mesh.triangles[ahead.facet]);
+}
+
+template <bool eight_bits>
+void draw_flat_pass(const TileTask& task, const DrawPass& pass, int tile, FlatTile& pixels) {
+  if (!pass.colour_write) return;
+  const int x0 = task.bins.tile_x(tile), y0 = task.bins.tile_y(tile);
+  const float scale = channel_scale(task);
+  const std::span<const BinEntry> entries = task.bins.tile(tile);
+  for (std::size_t k = 0; k < entries.size(); ++k) {
+    const BinEntry& entry = entries[k];
+    prefetch_for(task, entries, k);
+    if (is_culled(pass, entry)) continue;
+    FlatSource source;
+    const glm::vec4& colour = task.colours[entry.facet];
+    for (int channel = 0; channel < 4; ++channel) source.colour[channel] = colour[channel] * scale;
+    source.transparency = 1.0f - colour.a;
+    if (entry.how() == Coverage::known) {
+      blend_square<eight_bits>(source, entry.detail, pixels.pixel(entry.x0, entry.y0));
+    } else {
+      for_covered_rows(task.projected, task.bins, entry, x0, y0, [&](int y, RowBits bits) HWY_ATTR {
+        blend_row<eight_bits>(source, bits, pixels.pixel(0, y));
+      });
+    }
+  }
+}
+
+template <bool eight_bits>
+void draw_flat_tile(const TileTask& task, std::span<const DrawPass> passes, int tile) {
+  FlatTile pixels;
+  const glm::vec4 clear = clear_value(task);
+  for (int i = 0; i < tile_size * tile_size; ++i) std::memcpy(pixels.channels + 4 * i, &clear.x, sizeof clear);
+  for (const DrawPass& pass : passes) draw_flat_pass<eight_bits>(task, pass, tile, pixels);
+
+  const PixelTag d;
+  const int x0 = task.bins.tile_x(tile), y0 = task.bins.tile_y(tile);
+  const int width = std::min(tile_size, task.image.width - x0);
+  const int height = std::min(tile_size, task.image.height - y0);
+  const auto unit = hn::Set(d, 1.0f / channel_scale(task));
+  for (int y = 0; y < height; ++y) {
+    const float* from = pixels.pixel(0, y);
+    float* to = picture_row(task.image, x0, y0 + y);
+    for (int i = 0; i < 4 * width; i += static_cast<int>(hn::Lanes(d))) {
+      hn::StoreU(hn::Mul(hn::Load(d, from + i), unit), d, to + i);
+    }
+  }
+}
+
+}  // namespace facetsort::blend_internal::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif  // per target
