@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <utility>
 
 #include "facetsort/blend/bins.h"
 #include "facetsort/blend/coverage.h"
@@ -26,16 +27,10 @@ using FloatTag = hn::CappedTag<float, tile_size>;
 using RowBits = std::uint32_t;
 static_assert(tile_size == 32);
 
-HWY_INLINE RowBits bits_between(std::uint32_t first, std::uint32_t last) {
-  return (~RowBits{0} >> (31 - last)) & (~RowBits{0} << first);
-}
-
-HWY_INLINE RowBits bits_of(hn::Mask<FloatTag> mask) {
-  alignas(8) std::uint8_t bytes[8] = {};
-  hn::StoreMaskBits(FloatTag(), mask, bytes);
-  RowBits bits;
-  std::memcpy(&bits, bytes, sizeof bits);
-  return bits;
+// None where the last one comes before the first. 0 <= first <= 32 and -1 <= last < 32.
+HWY_INLINE RowBits bits_between(int first, int last) {
+  const std::uint64_t up_to_last = (std::uint64_t{1} << (last + 1)) - 1, before_first = (std::uint64_t{1} << first) - 1;
+  return static_cast<RowBits>(up_to_last & ~before_first);
 }
 
 HWY_INLINE hn::Mask<FloatTag> mask_of(RowBits bits) {
@@ -45,50 +40,34 @@ HWY_INLINE hn::Mask<FloatTag> mask_of(RowBits bits) {
 }
 
 // The line functions that bound one facet or piece in one tile, in float: a dx + b dy + c for the pixel that is (dx, dy)
-// away from (origin_x, origin_y). Where every one exceeds `error` the pixel is covered, where one is below -error it is
-// not; between, float can't tell. A pixel also has to be in the entry's box.
-struct TileEdges {
+// away from (origin_x, origin_y). A pixel of the entry's box is covered where every one exceeds `error`, and is not where
+// one is below -error; between, float can't tell. `error` also allows for dividing by `a`, to solve for dx.
+struct TileLines {
   // A piece that has more cuts in one tile is decided pixel by pixel.
   static constexpr int most_cuts = 16;
 
   float a[3 + most_cuts], b[3 + most_cuts], c[3 + most_cuts], error;
-  int lines;  // three edges, then cuts
+  int count;  // three edges, then cuts
   int origin_x, origin_y;
   float near_a = 0, near_b = 0, near_c = 0;  // from the tile's first pixel: not negative beyond the near plane
   std::span<const FacetCut> cuts;            // all of the piece's
 
   // False when nothing is covered in the entry's box. (x0, y0) is the tile's first pixel.
   HWY_INLINE bool set_up(const ProjectedMesh& projected, const FacetBins& bins, const BinEntry& entry, int x0, int y0) {
-    if (entry.how() == Coverage::grid) {
-      set_up_on_grid(projected, entry, x0, y0);
-    } else if (!set_up_homogeneous(projected, bins, entry, x0, y0)) {
-      return false;
-    }
-    for (int i = 0; i < 3; ++i) {
-      if (highest(i, entry) < -2 * error) return false;
-    }
-    return true;
-  }
-
-  // Whether all of the entry's box is covered for certain.
-  HWY_INLINE bool cover_box(const BinEntry& entry) const {
-    for (int i = 0; i < lines; ++i) {
-      if (!(lowest(i, entry, entry.x0, entry.x1) > 2 * error)) return false;
-    }
+    if (entry.how() != Coverage::grid) return set_up_homogeneous(projected, bins, entry, x0, y0);
+    set_up_on_grid(projected, entry, x0, y0);
     return true;
   }
 
  private:
-  // Edge functions of points on the grid, as in place_facets-inl.h. Their coefficients are differences of two points,
-  // rounded once; the third is rounded from double. With S for the facet's extents and those of the vectors that its box
-  // takes part in, float adds at most 2^-20 S^2: some ten roundings of products that are below S^2 / 2.
+  // Edge functions of points on the grid, with the same bound as in place_facets-inl.h: all that is multiplied here are
+  // distances within the facet's box too, and there are no more roundings.
   HWY_INLINE void set_up_on_grid(const ProjectedMesh& projected, const BinEntry& entry, int x0, int y0) {
     constexpr double pixels_per_unit = 1.0 / (1 << grid_bits);
-    const int lanes = static_cast<int>(hn::Lanes(FloatTag()));
     const glm::uvec3& triangle = projected.mesh.triangles[entry.facet];
-    origin_x = static_cast<int>(entry.x0) / lanes * lanes;
+    origin_x = static_cast<int>(entry.x0);
     origin_y = static_cast<int>(entry.y0);
-    // Relative to the origin's centre, in pixels; exact in double, as are all differences below.
+    // From the origin's centre, in pixels; these and the differences below are exact in double.
     double x[3], y[3];
     for (int i = 0; i < 3; ++i) {
       const GridPoint point = projected.grid_points[triangle[i]];
@@ -103,14 +82,10 @@ struct TileEdges {
       b[i] = static_cast<float>(dx);
       c[i] = static_cast<float>(dy * x[p] - dx * y[p]);
     }
-    lines = 3;
+    count = 3;
     cuts = {};
-    const auto extent = [](const double (&v)[3]) {
-      return static_cast<float>(std::max({v[0], v[1], v[2]}) - std::min({v[0], v[1], v[2]}));
-    };
-    const float extents = extent(x) + extent(y) + 0x1p-10f;  // covers terms in the square of a unit
-    const float reach = extents + static_cast<float>(2 * lanes);
-    error = 0x1p-14f * extents + 0x1p-20f * reach * reach;
+    const auto extent = [](const double (&v)[3]) { return std::max({v[0], v[1], v[2]}) - std::min({v[0], v[1], v[2]}); };
+    error = grid_error(static_cast<float>(extent(x) + extent(y)));
   }
 
   // From edge functions in double, scaled to change by at most 1 a pixel.
@@ -120,9 +95,9 @@ struct TileEdges {
         facet_edges(projected, entry.facet, entry.facing(), {x0 + 0.5, y0 + 0.5}, tile_size);
     origin_x = origin_y = 0;
     double largest_error = 0;
-    for (lines = 0; lines < 3; ++lines) {
+    for (count = 0; count < 3; ++count) {
       largest_error =
-          std::max(largest_error, set_up_line(exact.a[lines], exact.b[lines], exact.c[lines], exact.error[lines]));
+          std::max(largest_error, set_up_line(exact.a[count], exact.b[count], exact.c[count], exact.error[count]));
     }
     cuts = bins.cuts(entry);
     if (!cuts.empty() && !set_up_cuts(exact, entry, largest_error)) return false;
@@ -132,8 +107,8 @@ struct TileEdges {
   }
 
   static float float_bound(double line_error) {
-    // In float: three roundings of coefficients, two products and two sums, of values that stay below 4 tile_size.
-    constexpr double float_error = 16 * tile_size * 0x1p-24;
+    // In float: a dozen roundings of terms that together stay below 4 tile_size.
+    constexpr double float_error = 48 * tile_size * 0x1p-24;
     return static_cast<float>(std::min(line_error + float_error, 4.0 * tile_size));
   }
 
@@ -142,44 +117,35 @@ struct TileEdges {
     const double slope = std::abs(line_a) + std::abs(line_b);
     // Where the slope is below what a double can divide by, everything is in doubt.
     const double scale = slope > 1e-290 ? 1 / slope : 0.0;
-    a[lines] = static_cast<float>(line_a * scale);
-    b[lines] = static_cast<float>(line_b * scale);
+    a[count] = static_cast<float>(line_a * scale);
+    b[count] = static_cast<float>(line_b * scale);
     // An edge that far from the tile has one sign on all of it.
-    c[lines] = static_cast<float>(std::clamp(line_c * scale, -2.0 * tile_size, 2.0 * tile_size));
+    c[count] = static_cast<float>(std::clamp(line_c * scale, -2.0 * tile_size, 2.0 * tile_size));
     return scale > 0 ? line_error * scale : 1.0;
   }
 
-  // Largest value of a line in the entry's box.
-  HWY_INLINE float highest(int line, const BinEntry& entry) const {
-    const float left = static_cast<float>(static_cast<int>(entry.x0) - origin_x);
-    const float right = static_cast<float>(static_cast<int>(entry.x1) - origin_x);
-    const float top = static_cast<float>(static_cast<int>(entry.y0) - origin_y);
-    const float bottom = static_cast<float>(static_cast<int>(entry.y1) - origin_y);
-    return c[line] + std::max(a[line] * left, a[line] * right) + std::max(b[line] * top, b[line] * bottom);
-  }
-
-  // Smallest value of a line in the entry's rows, from column x0 to x1.
-  HWY_INLINE float lowest(int line, const BinEntry& entry, int x0, int x1) const {
-    const float left = static_cast<float>(x0 - origin_x), right = static_cast<float>(x1 - origin_x);
-    const float top = static_cast<float>(static_cast<int>(entry.y0) - origin_y);
-    const float bottom = static_cast<float>(static_cast<int>(entry.y1) - origin_y);
-    return c[line] + std::min(a[line] * left, a[line] * right) + std::min(b[line] * top, b[line] * bottom);
+  // The smallest and largest value of the line whose place is next, in the entry's box.
+  std::pair<float, float> range(const BinEntry& entry) const {
+    const auto [left, right] = std::minmax({a[count] * static_cast<float>(entry.x0), a[count] * static_cast<float>(entry.x1)});
+    const auto [top, bottom] = std::minmax({b[count] * static_cast<float>(entry.y0), b[count] * static_cast<float>(entry.y1)});
+    return {c[count] + left + top, c[count] + right + bottom};
   }
 
   // Cuts that leave all of the entry's box do not become lines. False when one leaves none of it.
   HWY_NOINLINE bool set_up_cuts(const FacetEdges& exact, const BinEntry& entry, double& largest_error) {
     for (const FacetCut& cut : cuts) {
-      if (lines == 3 + most_cuts) {
+      if (count == 3 + most_cuts) {
         largest_error = 4 * tile_size;  // no float value is certain
         return true;
       }
       const CutLine line = cut_line(exact, cut, tile_size);
       const double line_error = set_up_line(line.a, line.b, line.c, line.error);
       const float bound = 2 * float_bound(line_error);
-      if (highest(lines, entry) < -bound) return false;
-      if (lowest(lines, entry, entry.x0, entry.x1) > bound) continue;
+      const auto [lowest, highest] = range(entry);
+      if (highest < -bound) return false;
+      if (lowest > bound) continue;
       largest_error = std::max(largest_error, line_error);
-      ++lines;
+      ++count;
     }
     return true;
   }
@@ -213,46 +179,66 @@ HWY_NOINLINE RowBits settle_doubts(const ProjectedMesh& projected, const BinEntr
 }
 
 // The part of a row that is not nearer than the near plane.
-HWY_NOINLINE RowBits beyond_near(const TileEdges& edges, int y) {
-  const FloatTag d;
-  const int lanes = static_cast<int>(hn::Lanes(d));
-  const auto row = hn::Set(d, edges.near_b * static_cast<float>(y) + edges.near_c);
+HWY_NOINLINE RowBits beyond_near(const TileLines& lines, int y) {
+  const float row = lines.near_b * static_cast<float>(y) + lines.near_c;
   RowBits bits = 0;
-  for (int x = 0; x < tile_size; x += lanes) {
-    const auto beyond = hn::Add(hn::Mul(hn::Set(d, edges.near_a), hn::Iota(d, static_cast<float>(x))), row);
-    bits |= bits_of(hn::Ge(beyond, hn::Zero(d))) << x;
+  for (int x = 0; x < tile_size; ++x) {
+    if (lines.near_a * static_cast<float>(x) + row >= 0) bits |= RowBits{1} << x;
   }
   return bits;
 }
 
-// One row of an entry whose pixels are found by edges. `box`: its columns.
-HWY_INLINE RowBits covered_row(const ProjectedMesh& projected, const BinEntry& entry, const TileEdges& edges,
-                               RowBits box, int x0, int y0, int y) {
-  const FloatTag d;
-  const int lanes = static_cast<int>(hn::Lanes(d));
-  const float dy = static_cast<float>(y - edges.origin_y);
-  const auto row0 = hn::Set(d, edges.b[0] * dy + edges.c[0]);
-  const auto row1 = hn::Set(d, edges.b[1] * dy + edges.c[1]);
-  const auto row2 = hn::Set(d, edges.b[2] * dy + edges.c[2]);
-  RowBits covered = 0, possible = 0;
-  for (int x = static_cast<int>(entry.x0) / lanes * lanes; x <= static_cast<int>(entry.x1); x += lanes) {
-    const auto dx = hn::Iota(d, static_cast<float>(x - edges.origin_x));
-    const auto e0 = hn::Add(hn::Mul(hn::Set(d, edges.a[0]), dx), row0);
-    const auto e1 = hn::Add(hn::Mul(hn::Set(d, edges.a[1]), dx), row1);
-    const auto e2 = hn::Add(hn::Mul(hn::Set(d, edges.a[2]), dx), row2);
-    auto lowest = hn::Min(hn::Min(e0, e1), e2);
-    for (int i = 3; i < edges.lines; ++i) {
-      const auto row = hn::Set(d, edges.b[i] * dy + edges.c[i]);
-      lowest = hn::Min(lowest, hn::Add(hn::Mul(hn::Set(d, edges.a[i]), dx), row));
+// For each row of an entry's box, the first and last pixel covered for certain, and the first and last that may be. What
+// is covered is convex, so those between are too.
+struct RowSpans {
+  HWY_ALIGN std::int32_t covered_first[tile_size], covered_last[tile_size];
+  HWY_ALIGN std::int32_t possible_first[tile_size], possible_last[tile_size];
+
+  // One row a lane: each line bounds the covered pixels of a row on its left or on its right.
+  HWY_INLINE void find(const TileLines& lines, const BinEntry& entry) {
+    const FloatTag d;
+    const hn::RebindToSigned<FloatTag> di;
+    // A line that changes less within a tile counts as one that changes so: the bound on the error has room for that.
+    constexpr float least_slope = 1e-12f;
+    const int rows = static_cast<int>(entry.y1 - entry.y0) + 1;
+    const auto box_first = hn::Set(d, static_cast<float>(static_cast<int>(entry.x0) - lines.origin_x));
+    const auto box_last = hn::Set(d, static_cast<float>(static_cast<int>(entry.x1) - lines.origin_x));
+    const auto origin_x = hn::Set(di, lines.origin_x);
+    for (int k = 0; k < rows; k += static_cast<int>(hn::Lanes(d))) {
+      const auto y = hn::Iota(d, static_cast<float>(static_cast<int>(entry.y0) + k - lines.origin_y));
+      auto covered_from = box_first, covered_to = box_last, possible_from = box_first, possible_to = box_last;
+      for (int i = 0; i < lines.count; ++i) {
+        const float slope = std::abs(lines.a[i]) < least_slope ? least_slope : lines.a[i];
+        const float inverse = 1 / slope;
+        const auto crossing = hn::Sub(hn::Mul(hn::Set(d, -lines.b[i] * inverse), y), hn::Set(d, lines.c[i] * inverse));
+        const auto doubt = hn::Set(d, lines.error * std::abs(inverse));
+        const auto before = hn::Sub(crossing, doubt), after = hn::Add(crossing, doubt);
+        // Which side a line bounds can't be foreseen: both are always moved, one of them by nothing.
+        const auto is_left = hn::Gt(hn::Set(d, slope), hn::Zero(d));
+        covered_from = hn::Max(covered_from, hn::IfThenElse(is_left, after, box_first));
+        possible_from = hn::Max(possible_from, hn::IfThenElse(is_left, before, box_first));
+        covered_to = hn::Min(covered_to, hn::IfThenElse(is_left, box_last, before));
+        possible_to = hn::Min(possible_to, hn::IfThenElse(is_left, box_last, after));
+      }
+      // Within a pixel of the box, so that they are small integers.
+      const auto first = [&](hn::VFromD<FloatTag> from) HWY_ATTR {
+        const auto end = hn::Add(box_last, hn::Set(d, 1.0f));
+        return hn::Add(hn::ConvertTo(di, hn::Ceil(hn::Min(from, end))), origin_x);
+      };
+      const auto last = [&](hn::VFromD<FloatTag> to) HWY_ATTR {
+        const auto before_box = hn::Sub(box_first, hn::Set(d, 1.0f));
+        return hn::Add(hn::ConvertTo(di, hn::Floor(hn::Max(to, before_box))), origin_x);
+      };
+      hn::Store(first(covered_from), di, covered_first + k);
+      hn::Store(last(covered_to), di, covered_last + k);
+      hn::Store(first(possible_from), di, possible_first + k);
+      hn::Store(last(possible_to), di, possible_last + k);
     }
-    possible |= bits_of(hn::Ge(lowest, hn::Set(d, -edges.error))) << x;
-    covered |= bits_of(hn::Gt(lowest, hn::Set(d, edges.error))) << x;
   }
-  covered &= box;
-  const RowBits doubtful = possible & box & ~covered;
-  if (HWY_UNLIKELY(doubtful != 0)) covered |= settle_doubts(projected, entry, edges.cuts, x0, y0 + y, doubtful);
-  return covered;
-}
+
+  HWY_INLINE RowBits covered(int k) const { return bits_between(covered_first[k], covered_last[k]); }
+  HWY_INLINE RowBits possible(int k) const { return bits_between(possible_first[k], possible_last[k]); }
+};
 
 // Calls emit(y, bits) for each row of the tile in which the facet or piece covers some pixels.
 template <typename Emit>
@@ -266,13 +252,17 @@ HWY_INLINE void for_covered_rows(const ProjectedMesh& projected, const FacetBins
     }
     return;
   }
-  TileEdges edges;
-  if (!edges.set_up(projected, bins, entry, x0, y0)) return;
-  const RowBits box = bits_between(entry.x0, entry.x1);
-  const bool covers_box = edges.cover_box(entry);
-  for (int y = static_cast<int>(entry.y0); y <= static_cast<int>(entry.y1); ++y) {
-    RowBits bits = covers_box ? box : covered_row(projected, entry, edges, box, x0, y0, y);
-    if (entry.crosses_near && bits != 0) bits &= beyond_near(edges, y);
+  TileLines lines;
+  if (!lines.set_up(projected, bins, entry, x0, y0)) return;
+  RowSpans spans;
+  spans.find(lines, entry);
+  for (int y = static_cast<int>(entry.y0), k = 0; y <= static_cast<int>(entry.y1); ++y, ++k) {
+    const RowBits possible = spans.possible(k);
+    RowBits bits = spans.covered(k);
+    if (HWY_UNLIKELY(possible != bits)) {
+      bits |= settle_doubts(projected, entry, lines.cuts, x0, y0 + y, possible & ~bits);
+    }
+    if (entry.crosses_near && bits != 0) bits &= beyond_near(lines, y);
     if (bits != 0) emit(y, bits);
   }
 }

@@ -10,8 +10,10 @@
 #endif
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstddef>
+#include <cstdint>
 #include <cstring>
 #include <span>
 
@@ -23,9 +25,11 @@ HWY_BEFORE_NAMESPACE();
 namespace facetsort::blend_internal::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// The colours of a tile, in units of the format.
+constexpr int pixels_per_block = 8;
+
+// The colours of a tile, in units of the format, and room for a whole block from any pixel on.
 struct alignas(64) FlatTile {
-  float channels[4 * tile_size * tile_size];
+  float channels[4 * (tile_size * tile_size + pixels_per_block)];
 
   float* pixel(int x, int y) { return channels + 4 * (y * tile_size + x); }
 };
@@ -40,11 +44,15 @@ struct FlatSource {
   float transparency;
 };
 
+template <bool eight_bits, class V>
+HWY_INLINE V blended_values(V source, V transparency, V below) {
+  const V blended = hn::Add(source, hn::Mul(below, transparency));
+  return eight_bits ? hn::Round(blended) : blended;
+}
+
 template <bool eight_bits, class D>
 HWY_INLINE void blend_vector(D d, hn::VFromD<D> source, hn::VFromD<D> transparency, float* channels) {
-  auto blended = hn::Add(source, hn::Mul(hn::LoadU(d, channels), transparency));
-  if (eight_bits) blended = hn::Round(blended);
-  hn::StoreU(blended, d, channels);
+  hn::StoreU(blended_values<eight_bits>(source, transparency, hn::LoadU(d, channels)), d, channels);
 }
 
 template <bool eight_bits>
@@ -65,19 +73,36 @@ HWY_INLINE void blend_square(const FlatSource& source, PixelSquare square, float
   }
 }
 
-// Into `count` pixels in a row.
+// Into `count` pixels in a row. What is left of the last block is blended with the pixels beyond it, which are then
+// stored as they were: how many there are can't be foreseen, and a wrong guess costs more than a few vectors.
 template <bool eight_bits>
 HWY_INLINE void blend_run(const FlatSource& source, int count, float* pixel) {
+  constexpr int values_per_block = 4 * pixels_per_block;
+  // The values of a block that count, from those at `count` pixels before the middle on.
+  alignas(64) static constexpr auto counts = [] {
+    std::array<std::int32_t, 2 * values_per_block> all{};
+    std::fill_n(all.begin(), values_per_block, -1);
+    return all;
+  }();
   const PixelsTag d;
-  const int step = static_cast<int>(hn::Lanes(d)) / 4;
-  if (step > 0) {
-    const auto colours = hn::LoadDup128(d, source.colour);
-    const auto transparency = hn::Set(d, source.transparency);
-    for (; count >= step; count -= step, pixel += 4 * step) {
-      blend_vector<eight_bits>(d, colours, transparency, pixel);
-    }
+  const hn::RebindToSigned<PixelsTag> di;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  if (lanes < 4) {
+    for (; count > 0; --count, pixel += 4) blend_pixel<eight_bits>(source, pixel);
+    return;
   }
-  for (; count > 0; --count, pixel += 4) blend_pixel<eight_bits>(source, pixel);
+  const auto colours = hn::LoadDup128(d, source.colour);
+  const auto transparency = hn::Set(d, source.transparency);
+  for (; count >= pixels_per_block; count -= pixels_per_block, pixel += values_per_block) {
+    for (int i = 0; i < values_per_block; i += lanes) blend_vector<eight_bits>(d, colours, transparency, pixel + i);
+  }
+  const std::int32_t* mask = counts.data() + values_per_block - 4 * count;
+  for (int i = 0; i < values_per_block; i += lanes) {
+    const auto below = hn::LoadU(d, pixel + i);
+    const auto blended = blended_values<eight_bits>(colours, transparency, below);
+    const auto is_counted = hn::MaskFromVec(hn::BitCast(d, hn::LoadU(di, mask + i)));
+    hn::StoreU(hn::IfThenElse(is_counted, blended, below), d, pixel + i);
+  }
 }
 
 // Into each pixel of a row that starts at `row`. More than one run of pixels is seen only where the near plane cuts.
@@ -127,7 +152,7 @@ template <bool eight_bits>
 void draw_flat_tile(const TileTask& task, std::span<const DrawPass> passes, int tile) {
   FlatTile pixels;
   const glm::vec4 clear = clear_value(task);
-  for (int i = 0; i < tile_size * tile_size; ++i) std::memcpy(pixels.channels + 4 * i, &clear.x, sizeof clear);
+  for (int i = 0; i < tile_size * tile_size + pixels_per_block; ++i) std::memcpy(pixels.channels + 4 * i, &clear.x, sizeof clear);
   for (const DrawPass& pass : passes) draw_flat_pass<eight_bits>(task, pass, tile, pixels);
 
   const PixelTag d;

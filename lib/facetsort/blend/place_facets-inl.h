@@ -1,10 +1,8 @@
 // Internal to blend: where each facet lies in the picture and, of small ones, which pixels they cover. One facet a lane.
 //
 // Where all corners of a facet are on the grid, the sign of an edge function is that of the cross product of the edge
-// and the way from its start to the pixel, in distances on the screen. With d for a unit of the grid and S for the sum of
-// the facet's extents, in pixels, corners that are off by up to d change that product by at most 4 d S where the pixel
-// is in the facet's box; float adds at most 2^-19 S^2, which is 17 roundings of a value below S^2 / 2 and those of the
-// products. What that leaves in doubt is decided by covers_pixel().
+// and the way from its start to the pixel, in distances on the screen. What grid_error() leaves in doubt is decided by
+// covers_pixel().
 #if defined(FACETSORT_BLEND_PLACE_FACETS_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef FACETSORT_BLEND_PLACE_FACETS_INL_H
 #undef FACETSORT_BLEND_PLACE_FACETS_INL_H
@@ -139,11 +137,11 @@ HWY_INLINE void place_vector(const GridCorners& corners, const View& view, std::
   const GridInts height = hn::Sub(hn::Add(hn::Min(bottom, hn::Set(d, view.height - 1)), one), y);
   const auto empty = hn::Lt(hn::Min(width, height), one);
 
-  const GridFloats extents = hn::Add(hn::Add(in_pixels(hn::Sub(highest_x, lowest_x)),
-                                             in_pixels(hn::Sub(highest_y, lowest_y))),
-                                     hn::Set(df, 0x1p-10f));  // covers terms in the square of a unit
-  const GridFloats error =
-      hn::Mul(extents, hn::Add(hn::Set(df, 0x1p-14f), hn::Mul(extents, hn::Set(df, 0x1p-19f))));
+  const GridFloats extents =
+      hn::Add(hn::Add(in_pixels(hn::Sub(highest_x, lowest_x)), in_pixels(hn::Sub(highest_y, lowest_y))),
+              hn::Set(df, grid_extents_slack));
+  const GridFloats error = hn::Mul(extents, hn::Add(hn::Set(df, grid_error_of_extents),
+                                                    hn::Mul(extents, hn::Set(df, grid_error_of_square))));
   const GridFloats area = hn::Sub(hn::Mul(in_pixels(hn::Sub(x1, x0)), in_pixels(hn::Sub(y2, y0))),
                                   hn::Mul(in_pixels(hn::Sub(x2, x0)), in_pixels(hn::Sub(y1, y0))));
   const auto facing_is_certain = hn::RebindMask(d, hn::Gt(hn::Abs(area), error));
