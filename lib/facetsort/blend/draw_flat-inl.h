@@ -148,25 +148,34 @@ void draw_flat_pass(const TileTask& task, const DrawPass& pass, int tile, FlatTi
   }
 }
 
+// Writes a tile's part of the picture, past the caches: a picture is more than they keep until it is read.
 template <bool eight_bits>
-void draw_flat_tile(const TileTask& task, std::span<const DrawPass> passes, int tile) {
-  FlatTile pixels;
-  const glm::vec4 clear = clear_value(task);
-  for (int i = 0; i < tile_size * tile_size + pixels_per_block; ++i) std::memcpy(pixels.channels + 4 * i, &clear.x, sizeof clear);
-  for (const DrawPass& pass : passes) draw_flat_pass<eight_bits>(task, pass, tile, pixels);
-
+void write_flat_tile(const TileTask& task, const FlatTile& pixels, int tile) {
+  // Vectors are streamed to addresses that are multiples of their size.
+  static_assert(__STDCPP_DEFAULT_NEW_ALIGNMENT__ >= sizeof(glm::vec4));
   const PixelTag d;
   const int x0 = task.bins.tile_x(tile), y0 = task.bins.tile_y(tile);
   const int width = std::min(tile_size, task.image.width - x0);
   const int height = std::min(tile_size, task.image.height - y0);
   const auto unit = hn::Set(d, 1.0f / channel_scale(task));
   for (int y = 0; y < height; ++y) {
-    const float* from = pixels.pixel(0, y);
+    const float* from = pixels.channels + 4 * y * tile_size;
     float* to = picture_row(task.image, x0, y0 + y);
     for (int i = 0; i < 4 * width; i += static_cast<int>(hn::Lanes(d))) {
-      hn::StoreU(hn::Mul(hn::Load(d, from + i), unit), d, to + i);
+      const auto values = hn::Load(d, from + i);
+      hn::Stream(eight_bits ? hn::Mul(values, unit) : values, d, to + i);
     }
   }
+  hwy::FlushStream();
+}
+
+template <bool eight_bits>
+void draw_flat_tile(const TileTask& task, std::span<const DrawPass> passes, int tile) {
+  FlatTile pixels;
+  const glm::vec4 clear = clear_value(task);
+  for (std::size_t i = 0; i < std::size(pixels.channels); i += 4) std::memcpy(pixels.channels + i, &clear.x, sizeof clear);
+  for (const DrawPass& pass : passes) draw_flat_pass<eight_bits>(task, pass, tile, pixels);
+  write_flat_tile<eight_bits>(task, pixels, tile);
 }
 
 }  // namespace facetsort::blend_internal::HWY_NAMESPACE
