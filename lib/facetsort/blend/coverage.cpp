@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "facetsort/base/parallel.h"
+#include "facetsort/blend/facet_kernels.h"
 #include "facetsort/exact/predicates.h"
 
 namespace facetsort::blend_internal {
@@ -12,11 +13,6 @@ namespace {
 
 constexpr std::size_t vertices_per_task = 16384;
 
-// What one rounding to double costs, relatively. The factors in front of it below count roundings along the longest
-// path and are rounded up; second-order terms are far below what the rounding up leaves.
-constexpr double rounding = 0x1p-53;
-// Of X, Y and W against the magnitude of their terms: difference, product, three sums, and the rounding of the input.
-constexpr double projection_roundings = 8 * rounding;
 // Of an edge function against the product of its corners' magnitudes: product, difference, and evaluation at a pixel.
 constexpr double edge_roundings = 8 * rounding;
 
@@ -110,26 +106,6 @@ class PixelBounds {
   double x0_ = INFINITY, x1_ = -INFINITY, y0_ = INFINITY, y1_ = -INFINITY, margin_ = 0;
 };
 
-// A difference of two coordinates below this is an int32.
-constexpr double grid_reach = 0x1p30 - 1;
-
-GridPoint grid_point(const ProjectedVertex& vertex, const ViewBounds& bounds, double near_distance) {
-  constexpr double units_per_pixel = 1 << grid_bits;
-  const double inverse = 1 / vertex.w;
-  const double x = vertex.x * inverse, y = vertex.y * inverse;
-  const double terms = bounds.x + bounds.y + (std::abs(x) + std::abs(y)) * bounds.w;
-  const double margin = 4 * projection_roundings * terms * vertex.reach * inverse;
-  const double largest = std::max(std::abs(x), std::abs(y)) * units_per_pixel;
-  // A quarter of a unit for this margin, a half for rounding to the grid; comparisons fail where w is 0.
-  if (!(vertex.w >= near_distance && largest < grid_reach && margin * units_per_pixel < 0.25)) {
-    return {off_grid, off_grid};
-  }
-  const auto on_grid = [](double pixels) {
-    return static_cast<std::int32_t>(std::floor(pixels * units_per_pixel + 0.5));
-  };
-  return {on_grid(x), on_grid(y)};
-}
-
 glm::dmat3 camera_rows(const Camera& camera) { return {camera.row_x, camera.row_y, camera.row_w}; }
 
 // The side of the point (x, y), moved by the infinitesimal amount that decides ties.
@@ -174,13 +150,7 @@ void ProjectedMesh::project(const MeshView& mesh_in, const View& view_in) {
   vertices.resize(mesh.vertex_count());
   grid_points.resize(mesh.vertex_count());
   parallel_ranges(vertices.size(), vertices_per_task, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const glm::dvec3 q = glm::dvec3(mesh.positions[i]) - camera.eye;
-      const double reach = std::abs(q.x) + std::abs(q.y) + std::abs(q.z) + bounds.offset_reach;
-      vertices[i] = {glm::dot(camera.row_x, q) + camera.offset.x, glm::dot(camera.row_y, q) + camera.offset.y,
-                     glm::dot(camera.row_w, q) + camera.offset.z, reach};
-      grid_points[i] = grid_point(vertices[i], bounds, camera.near_distance);
-    }
+    project_vertices(*this, begin, end);
   });
 }
 

@@ -29,6 +29,12 @@
 
 namespace facetsort::blend_internal {
 
+// What one rounding to double costs, relatively. The factors in front of it count roundings along the longest path and
+// are rounded up; second-order terms are far below what the rounding up leaves.
+inline constexpr double rounding = 0x1p-53;
+// Of X, Y and W against the magnitude of their terms: difference, product, three sums, and the rounding of the input.
+inline constexpr double projection_roundings = 8 * rounding;
+
 // A corner in homogeneous pixels, and `reach`, which bounds the terms that X, Y and W are sums of (see ViewBounds).
 struct ProjectedVertex {
   double x, y, w, reach;

@@ -68,7 +68,7 @@ HWY_INLINE void blend_pixel(const FlatSource& source, float* pixel) {
 template <bool eight_bits>
 HWY_INLINE void blend_square(const FlatSource& source, PixelSquare square, float* corner) {
   for (; square != 0; square &= square - 1) {
-    const int bit = std::countr_zero(square);
+    const auto bit = static_cast<unsigned>(std::countr_zero(square));
     blend_pixel<eight_bits>(source, corner + 4 * (bit / square_size * tile_size + bit % square_size));
   }
 }

@@ -1,5 +1,5 @@
-// Internal to blend: what is done to every facet of a mesh for a view, vectorised, for the best instruction set at run
-// time.
+// Internal to blend: what is done to every vertex and facet of a mesh for a view, vectorised, for the best instruction
+// set at run time.
 #pragma once
 
 #include <bit>
@@ -56,6 +56,9 @@ inline float grid_error(float extents) {
   extents += grid_extents_slack;
   return extents * (grid_error_of_extents + extents * grid_error_of_square);
 }
+
+// Writes vertices and grid points from `begin` to before `end`; all else of `projected` must be there.
+void project_vertices(ProjectedMesh& projected, std::size_t begin, std::size_t end);
 
 // Places the facets with ids from `begin` to before `end`.
 void place_facets(const ProjectedMesh& projected, std::size_t begin, std::size_t end, PlacedFacet* placed);

@@ -14,6 +14,7 @@
 #include "facetsort/blend/draw_tile-inl.h"
 #include "facetsort/blend/peel_tile-inl.h"
 #include "facetsort/blend/place_facets-inl.h"
+#include "facetsort/blend/project_vertices-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace facetsort::blend_internal::HWY_NAMESPACE {
@@ -44,6 +45,7 @@ HWY_EXPORT(StartPeeling);
 HWY_EXPORT(PeelTile);
 HWY_EXPORT(FinishPeeling);
 HWY_EXPORT(CollectTile);
+HWY_EXPORT(ProjectVertices);
 HWY_EXPORT(PlaceFacets);
 HWY_EXPORT(ColourFacets);
 
@@ -64,6 +66,10 @@ void finish_peeling(const TileTask& task, int tile, PeeledTile& peeled) {
 void collect_tile(const ProjectedMesh& projected, const FacetBins& bins, int tile,
                   std::vector<TileFragment>& fragments) {
   HWY_DYNAMIC_DISPATCH(CollectTile)(projected, bins, tile, fragments);
+}
+
+void project_vertices(ProjectedMesh& projected, std::size_t begin, std::size_t end) {
+  HWY_DYNAMIC_DISPATCH(ProjectVertices)(projected, begin, end);
 }
 
 void place_facets(const ProjectedMesh& projected, std::size_t begin, std::size_t end, PlacedFacet* placed) {
