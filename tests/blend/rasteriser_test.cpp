@@ -108,7 +108,8 @@ TEST(Rasteriser, PassesWithoutColourLeaveThePictureAlone) {
   const std::vector<glm::vec4> colours{half_red, half_green};
   const DrawPass no_colour[] = {{.colour_write = false}};
   EXPECT_EQ(draw(mesh, small_view(), {0, 1}, colours, no_colour).pixels[0], background);
-  const DrawPass depth_alone[] = {{.depth_write = true, .colour_write = false}, {.depth_test = DepthTest::less_or_equal}};
+  const DrawPass depth_alone[] = {{.depth_write = true, .colour_write = false},
+                                  {.depth_test = DepthTest::less_or_equal}};
   EXPECT_EQ(draw(mesh, small_view(), {0, 1}, colours, depth_alone).pixels[0], glm::vec4(0, 0.5f, 0, 1));
 }
 

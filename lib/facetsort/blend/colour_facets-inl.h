@@ -112,12 +112,12 @@ HWY_INLINE StraightColours default_colours(std::uint32_t first) {
   hash = hn::Mul(hn::Xor(hash, hn::ShiftRight<16>(hash)), hn::Set(du, 0x85ebca6bu));
   hash = hn::Mul(hn::Xor(hash, hn::ShiftRight<13>(hash)), hn::Set(du, 0xc2b2ae35u));
   hash = hn::Xor(hash, hn::ShiftRight<16>(hash));
-  const ColourFloats hue = hn::Mul(hn::ConvertTo(d, hn::BitCast(di, hn::ShiftRight<16>(hash))),
-                                   hn::Set(d, default_hue_step));
+  const ColourFloats hue =
+      hn::Mul(hn::ConvertTo(d, hn::BitCast(di, hn::ShiftRight<16>(hash))), hn::Set(d, default_hue_step));
   const auto away_from = [&](float centre) HWY_ATTR { return hn::Abs(hn::Sub(hue, hn::Set(d, centre))); };
   const ColourFloats one = hn::Set(d, 1.0f), two = hn::Set(d, 2.0f);
-  return {clamped(hn::Sub(away_from(3), one)), clamped(hn::Sub(two, away_from(2))),
-          clamped(hn::Sub(two, away_from(4))), hn::Set(d, default_alpha)};
+  return {clamped(hn::Sub(away_from(3), one)), clamped(hn::Sub(two, away_from(2))), clamped(hn::Sub(two, away_from(4))),
+          hn::Set(d, default_alpha)};
 }
 
 StraightColours load_colours(const glm::vec4* colours) {
@@ -147,7 +147,8 @@ void ColourFacets(const MeshView& mesh, const glm::vec4& homogeneous_eye, std::s
     }
     glm::vec4* const lit = is_whole ? colours : lit_copy;
     for (std::size_t k = 0; k < count; k += hn::Lanes(d)) {
-      const StraightColours straight = own ? load_colours(own + k) : default_colours(static_cast<std::uint32_t>(first + k));
+      const StraightColours straight =
+          own ? load_colours(own + k) : default_colours(static_cast<std::uint32_t>(first + k));
       const ColourFloats scale = hn::Mul(straight.a, hn::Load(d, lights + k));
       hn::StoreInterleaved4(hn::Mul(straight.r, scale), hn::Mul(straight.g, scale), hn::Mul(straight.b, scale),
                             straight.a, d, &lit[k].x);

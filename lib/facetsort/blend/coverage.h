@@ -6,10 +6,10 @@
 // det[h0 h1 h2]; that holds for corners in front of, behind and across the eye plane alike, so nothing is clipped.
 //
 // Signs are decided three times over: in float, close to the facet, with a bound (place_facets-inl.h and
-// covered_rows-inl.h); where that fails, in double with a bound; where that fails too, in exact integers. A centre exactly on an edge belongs to the facet to
-// its right, or below it (top-left rule), which is the same as moving the centre by an infinitesimal amount to the
-// right and a yet smaller one down: hence every pixel of a closed surface is covered exactly once a layer, at edges
-// and corners too.
+// covered_rows-inl.h); where that fails, in double with a bound; where that fails too, in exact integers. A centre
+// exactly on an edge belongs to the facet to its right, or below it (top-left rule), which is the same as moving the
+// centre by an infinitesimal amount to the right and a yet smaller one down: hence every pixel of a closed surface is
+// covered exactly once a layer, at edges and corners too.
 //
 // A piece of a facet also covers only what lies on the given side of each of its cuts' planes. The point seen at p has
 // weights E_i(p) of the facet's corners, so the plane's value there is C(p) = sum(E_i(p) s_i) up to a positive factor,

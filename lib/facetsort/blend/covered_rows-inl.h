@@ -39,9 +39,9 @@ HWY_INLINE hn::Mask<FloatTag> mask_of(RowBits bits) {
   return hn::LoadMaskBits(FloatTag(), bytes);
 }
 
-// The line functions that bound one facet or piece in one tile, in float: a dx + b dy + c for the pixel that is (dx, dy)
-// away from (origin_x, origin_y). A pixel of the entry's box is covered where every one exceeds `error`, and is not where
-// one is below -error; between, float can't tell. `error` also allows for dividing by `a`, to solve for dx.
+// The line functions that bound one facet or piece in one tile, in float: a dx + b dy + c for the pixel that is dx
+// and dy away from (origin_x, origin_y). A pixel of the entry's box is covered where every one exceeds `error`, and is
+// not where one is below -error; between, float can't tell. `error` also allows for dividing by `a`, to solve for dx.
 struct TileLines {
   // A piece that has more cuts in one tile is decided pixel by pixel.
   static constexpr int most_cuts = 16;
@@ -60,8 +60,7 @@ struct TileLines {
   }
 
  private:
-  // Edge functions of points on the grid, with the same bound as in place_facets-inl.h: all that is multiplied here are
-  // distances within the facet's box too, and there are no more roundings.
+  // Edge functions of points on the grid. All that is multiplied are distances within the facet's box.
   HWY_INLINE void set_up_on_grid(const ProjectedMesh& projected, const BinEntry& entry, int x0, int y0) {
     constexpr double pixels_per_unit = 1.0 / (1 << grid_bits);
     const glm::uvec3& triangle = projected.mesh.triangles[entry.facet];
@@ -84,15 +83,15 @@ struct TileLines {
     }
     count = 3;
     cuts = {};
-    const auto extent = [](const double (&v)[3]) { return std::max({v[0], v[1], v[2]}) - std::min({v[0], v[1], v[2]}); };
-    error = grid_error(static_cast<float>(extent(x) + extent(y)));
+    const auto [left, right] = std::minmax({x[0], x[1], x[2]});
+    const auto [top, bottom] = std::minmax({y[0], y[1], y[2]});
+    error = grid_error(static_cast<float>((right - left) + (bottom - top)));
   }
 
   // From edge functions in double, scaled to change by at most 1 a pixel.
   HWY_NOINLINE bool set_up_homogeneous(const ProjectedMesh& projected, const FacetBins& bins, const BinEntry& entry,
                                        int x0, int y0) {
-    const FacetEdges exact =
-        facet_edges(projected, entry.facet, entry.facing(), {x0 + 0.5, y0 + 0.5}, tile_size);
+    const FacetEdges exact = facet_edges(projected, entry.facet, entry.facing(), {x0 + 0.5, y0 + 0.5}, tile_size);
     origin_x = origin_y = 0;
     double largest_error = 0;
     for (count = 0; count < 3; ++count) {
@@ -126,8 +125,10 @@ struct TileLines {
 
   // The smallest and largest value of the line whose place is next, in the entry's box.
   std::pair<float, float> range(const BinEntry& entry) const {
-    const auto [left, right] = std::minmax({a[count] * static_cast<float>(entry.x0), a[count] * static_cast<float>(entry.x1)});
-    const auto [top, bottom] = std::minmax({b[count] * static_cast<float>(entry.y0), b[count] * static_cast<float>(entry.y1)});
+    const auto [left, right] =
+        std::minmax({a[count] * static_cast<float>(entry.x0), a[count] * static_cast<float>(entry.x1)});
+    const auto [top, bottom] =
+        std::minmax({b[count] * static_cast<float>(entry.y0), b[count] * static_cast<float>(entry.y1)});
     return {c[count] + left + top, c[count] + right + bottom};
   }
 
@@ -188,8 +189,8 @@ HWY_NOINLINE RowBits beyond_near(const TileLines& lines, int y) {
   return bits;
 }
 
-// For each row of an entry's box, the first and last pixel covered for certain, and the first and last that may be. What
-// is covered is convex, so those between are too.
+// For each row of an entry's box, the first and last pixel covered for certain, and the first and last that may be.
+// What is covered is convex, so those between are too.
 struct RowSpans {
   HWY_ALIGN std::int32_t covered_first[tile_size], covered_last[tile_size];
   HWY_ALIGN std::int32_t possible_first[tile_size], possible_last[tile_size];

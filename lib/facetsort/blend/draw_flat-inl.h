@@ -141,9 +141,8 @@ void draw_flat_pass(const TileTask& task, const DrawPass& pass, int tile, FlatTi
     if (entry.how() == Coverage::known) {
       blend_square<eight_bits>(source, entry.detail, pixels.pixel(entry.x0, entry.y0));
     } else {
-      for_covered_rows(task.projected, task.bins, entry, x0, y0, [&](int y, RowBits bits) HWY_ATTR {
-        blend_row<eight_bits>(source, bits, pixels.pixel(0, y));
-      });
+      for_covered_rows(task.projected, task.bins, entry, x0, y0,
+                       [&](int y, RowBits bits) HWY_ATTR { blend_row<eight_bits>(source, bits, pixels.pixel(0, y)); });
     }
   }
 }
@@ -173,7 +172,8 @@ template <bool eight_bits>
 void draw_flat_tile(const TileTask& task, std::span<const DrawPass> passes, int tile) {
   FlatTile pixels;
   const glm::vec4 clear = clear_value(task);
-  for (std::size_t i = 0; i < std::size(pixels.channels); i += 4) std::memcpy(pixels.channels + i, &clear.x, sizeof clear);
+  for (std::size_t i = 0; i < std::size(pixels.channels); i += 4)
+    std::memcpy(pixels.channels + i, &clear.x, sizeof clear);
   for (const DrawPass& pass : passes) draw_flat_pass<eight_bits>(task, pass, tile, pixels);
   write_flat_tile<eight_bits>(task, pixels, tile);
 }

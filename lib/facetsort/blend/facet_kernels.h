@@ -25,7 +25,9 @@ using PixelSquare = std::uint64_t;
 inline constexpr int square_size = 8;
 
 // The first `count` columns, or rows, of a square; 0 <= count <= 8.
-inline PixelSquare first_columns(int count) { return 0x0101010101010101u * ((1u << count) - 1u); }
+inline PixelSquare first_columns(int count) {
+  return 0x0101010101010101u * ((1u << count) - 1u);
+}
 inline PixelSquare first_rows(int count) {
   return count == square_size ? ~PixelSquare{0} : (PixelSquare{1} << (square_size * count)) - 1;
 }
@@ -48,8 +50,8 @@ struct PlacedFacet {
 
 // How far an edge function of grid points may be from the true one, in square pixels. With S for the sum of the facet's
 // extents and d for a unit of the grid, corners that are off by up to d change the cross product of an edge and the way
-// from its start to a pixel in the facet's box by at most 4 d S. Float adds less than 2^-19 S^2, by at most 20 roundings
-// of terms whose sum is below S^2.
+// from its start to a pixel in the facet's box by at most 4 d S. Float adds less than 2^-19 S^2, by at most 20
+// roundings of terms whose sum is below S^2.
 inline constexpr float grid_error_of_extents = 0x1p-14f, grid_error_of_square = 0x1p-19f;
 inline constexpr float grid_extents_slack = 0x1p-10f;  // added to S, covers terms in the square of d
 inline float grid_error(float extents) {

@@ -27,8 +27,8 @@ void CollectTile(const ProjectedMesh& projected, const FacetBins& bins, int tile
       for (; bits != 0; bits &= bits - 1) {
         const int x = std::countr_zero(bits);
         const PixelDepth depth = depth_at_pixel(projected, entry.facet, entry.facing(), x0 + x, y0 + y);
-        fragments.push_back({entry.facet, static_cast<std::uint16_t>(y * tile_size + x),
-                             static_cast<float>(depth.error), depth.depth});
+        fragments.push_back(
+            {entry.facet, static_cast<std::uint16_t>(y * tile_size + x), static_cast<float>(depth.error), depth.depth});
       }
     });
   }
@@ -53,7 +53,9 @@ void draw_tile(const TileTask& task, std::span<const DrawPass> passes, int tile)
   HWY_DYNAMIC_DISPATCH(DrawTile)(task, passes, tile);
 }
 
-void start_peeling(const TileTask& task, PeeledTile& peeled) { HWY_DYNAMIC_DISPATCH(StartPeeling)(task, peeled); }
+void start_peeling(const TileTask& task, PeeledTile& peeled) {
+  HWY_DYNAMIC_DISPATCH(StartPeeling)(task, peeled);
+}
 
 bool peel_tile(const TileTask& task, Peeling peeling, int tile, PeeledTile& peeled) {
   return HWY_DYNAMIC_DISPATCH(PeelTile)(task, peeling, tile, peeled);

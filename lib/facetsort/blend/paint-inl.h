@@ -65,7 +65,7 @@ struct Paint {
   Interpolant denominator, colour[4];
   float light;
 
-  // `edges`: in the tile's coordinates.
+  // `edges`: in the coordinates of the tile.
   template <bool vertex_colours>
   void set_up(const TileTask& task, std::uint32_t facet, const FacetEdges& edges) {
     if constexpr (vertex_colours) {
@@ -124,7 +124,8 @@ FacetEdges edges_in_tile(const ProjectedMesh& projected, const BinEntry& entry, 
 
 // The channels of the picture from a pixel on.
 float* picture_row(Image& image, int x, int y) {
-  return &image.pixels[static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width) + static_cast<std::size_t>(x)].x;
+  const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width);
+  return &image.pixels[row + static_cast<std::size_t>(x)].x;
 }
 
 void write_tile(const TileTask& task, const TileColours& colours, int x0, int y0) {

@@ -1,4 +1,5 @@
-// Internal to blend: where each facet lies in the picture and, of small ones, which pixels they cover. One facet a lane.
+// Internal to blend: where each facet lies in the picture and, of small ones, which pixels they cover. One facet a
+// lane.
 //
 // Where all corners of a facet are on the grid, the sign of an edge function is that of the cross product of the edge
 // and the way from its start to the pixel, in distances on the screen. What grid_error() leaves in doubt is decided by
@@ -53,8 +54,8 @@ struct GridCorners {
 
 // What vectors find out about facets.
 struct BlockPlaces {
-  HWY_ALIGN std::int32_t coverage[facets_per_block];     // as Coverage
-  HWY_ALIGN std::int32_t area_signs[facets_per_block];   // below 0: front
+  HWY_ALIGN std::int32_t coverage[facets_per_block];    // as Coverage
+  HWY_ALIGN std::int32_t area_signs[facets_per_block];  // below 0: front
   HWY_ALIGN std::int32_t x[facets_per_block], y[facets_per_block], width[facets_per_block], height[facets_per_block];
   // Of small facets: pixels covered for certain, and those not certainly uncovered; rows 0 to 3, then 4 to 7.
   HWY_ALIGN std::uint32_t covered[2][facets_per_block], possible[2][facets_per_block];
@@ -140,8 +141,8 @@ HWY_INLINE void place_vector(const GridCorners& corners, const View& view, std::
   const GridFloats extents =
       hn::Add(hn::Add(in_pixels(hn::Sub(highest_x, lowest_x)), in_pixels(hn::Sub(highest_y, lowest_y))),
               hn::Set(df, grid_extents_slack));
-  const GridFloats error = hn::Mul(extents, hn::Add(hn::Set(df, grid_error_of_extents),
-                                                    hn::Mul(extents, hn::Set(df, grid_error_of_square))));
+  const GridFloats error = hn::Mul(
+      extents, hn::Add(hn::Set(df, grid_error_of_extents), hn::Mul(extents, hn::Set(df, grid_error_of_square))));
   const GridFloats area = hn::Sub(hn::Mul(in_pixels(hn::Sub(x1, x0)), in_pixels(hn::Sub(y2, y0))),
                                   hn::Mul(in_pixels(hn::Sub(x2, x0)), in_pixels(hn::Sub(y1, y0))));
   const auto facing_is_certain = hn::RebindMask(d, hn::Gt(hn::Abs(area), error));

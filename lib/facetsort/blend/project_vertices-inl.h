@@ -28,8 +28,7 @@ struct ProjectedVertices {
   VertexDoubles x, y, w, reach;
 };
 
-HWY_INLINE ProjectedVertices project_positions(const Camera& camera, const ViewBounds& bounds,
-                                               const float* positions) {
+HWY_INLINE ProjectedVertices project_positions(const Camera& camera, const ViewBounds& bounds, const float* positions) {
   const VertexTag d;
   hn::VFromD<VertexFloatTag> px, py, pz;
   hn::LoadInterleaved3(VertexFloatTag(), positions, px, py, pz);
