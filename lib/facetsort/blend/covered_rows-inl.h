@@ -83,9 +83,9 @@ struct TileLines {
     }
     count = 3;
     cuts = {};
-    const auto [left, right] = std::minmax({x[0], x[1], x[2]});
-    const auto [top, bottom] = std::minmax({y[0], y[1], y[2]});
-    error = grid_error(static_cast<float>((right - left) + (bottom - top)));
+    const double width = std::max(std::max(x[0], x[1]), x[2]) - std::min(std::min(x[0], x[1]), x[2]);
+    const double height = std::max(std::max(y[0], y[1]), y[2]) - std::min(std::min(y[0], y[1]), y[2]);
+    error = grid_error(static_cast<float>(width + height));
   }
 
   // From edge functions in double, scaled to change by at most 1 a pixel.
@@ -194,6 +194,7 @@ HWY_NOINLINE RowBits beyond_near(const TileLines& lines, int y) {
 struct RowSpans {
   HWY_ALIGN std::int32_t covered_first[tile_size], covered_last[tile_size];
   HWY_ALIGN std::int32_t possible_first[tile_size], possible_last[tile_size];
+  bool are_certain;  // all pixels that may be covered are
 
   // One row a lane: each line bounds the covered pixels of a row on its left or on its right.
   HWY_INLINE void find(const TileLines& lines, const BinEntry& entry) {
@@ -205,6 +206,7 @@ struct RowSpans {
     const auto box_first = hn::Set(d, static_cast<float>(static_cast<int>(entry.x0) - lines.origin_x));
     const auto box_last = hn::Set(d, static_cast<float>(static_cast<int>(entry.x1) - lines.origin_x));
     const auto origin_x = hn::Set(di, lines.origin_x);
+    are_certain = true;
     for (int k = 0; k < rows; k += static_cast<int>(hn::Lanes(d))) {
       const auto y = hn::Iota(d, static_cast<float>(static_cast<int>(entry.y0) + k - lines.origin_y));
       auto covered_from = box_first, covered_to = box_last, possible_from = box_first, possible_to = box_last;
@@ -230,10 +232,13 @@ struct RowSpans {
         const auto before_box = hn::Sub(box_first, hn::Set(d, 1.0f));
         return hn::Add(hn::ConvertTo(di, hn::Floor(hn::Max(to, before_box))), origin_x);
       };
-      hn::Store(first(covered_from), di, covered_first + k);
-      hn::Store(last(covered_to), di, covered_last + k);
-      hn::Store(first(possible_from), di, possible_first + k);
-      hn::Store(last(possible_to), di, possible_last + k);
+      const auto from = first(covered_from), to = last(covered_to);
+      const auto least = first(possible_from), most = last(possible_to);
+      hn::Store(from, di, covered_first + k);
+      hn::Store(to, di, covered_last + k);
+      hn::Store(least, di, possible_first + k);
+      hn::Store(most, di, possible_last + k);
+      are_certain &= hn::AllTrue(di, hn::And(hn::Eq(from, least), hn::Eq(to, most)));
     }
   }
 
@@ -258,10 +263,10 @@ HWY_INLINE void for_covered_rows(const ProjectedMesh& projected, const FacetBins
   RowSpans spans;
   spans.find(lines, entry);
   for (int y = static_cast<int>(entry.y0), k = 0; y <= static_cast<int>(entry.y1); ++y, ++k) {
-    const RowBits possible = spans.possible(k);
     RowBits bits = spans.covered(k);
-    if (HWY_UNLIKELY(possible != bits)) {
-      bits |= settle_doubts(projected, entry, lines.cuts, x0, y0 + y, possible & ~bits);
+    if (HWY_UNLIKELY(!spans.are_certain)) {
+      const RowBits doubtful = spans.possible(k) & ~bits;
+      bits |= settle_doubts(projected, entry, lines.cuts, x0, y0 + y, doubtful);
     }
     if (entry.crosses_near && bits != 0) bits &= beyond_near(lines, y);
     if (bits != 0) emit(y, bits);

@@ -29,7 +29,9 @@ constexpr int pixels_per_block = 8;
 
 // The colours of a tile, in units of the format, and room for a whole block from any pixel on.
 struct alignas(64) FlatTile {
-  float channels[4 * (tile_size * tile_size + pixels_per_block)];
+  static constexpr std::size_t values = 4 * (tile_size * tile_size + pixels_per_block);
+
+  float channels[values];
 
   float* pixel(int x, int y) { return channels + 4 * (y * tile_size + x); }
 };
@@ -147,6 +149,18 @@ void draw_flat_pass(const TileTask& task, const DrawPass& pass, int tile, FlatTi
   }
 }
 
+void clear_flat_tile(const glm::vec4& colour, FlatTile& pixels) {
+  const PixelsTag d;
+  if (hn::Lanes(d) < 4) {
+    for (std::size_t i = 0; i < FlatTile::values; i += 4) std::memcpy(pixels.channels + i, &colour.x, sizeof colour);
+    return;
+  }
+  HWY_ALIGN float pixel[4];
+  std::memcpy(pixel, &colour.x, sizeof colour);
+  const auto some = hn::LoadDup128(d, pixel);
+  for (std::size_t i = 0; i < FlatTile::values; i += hn::Lanes(d)) hn::Store(some, d, pixels.channels + i);
+}
+
 // Writes a tile's part of the picture, past the caches: a picture is more than they keep until it is read.
 template <bool eight_bits>
 void write_flat_tile(const TileTask& task, const FlatTile& pixels, int tile) {
@@ -171,9 +185,7 @@ void write_flat_tile(const TileTask& task, const FlatTile& pixels, int tile) {
 template <bool eight_bits>
 void draw_flat_tile(const TileTask& task, std::span<const DrawPass> passes, int tile) {
   FlatTile pixels;
-  const glm::vec4 clear = clear_value(task);
-  for (std::size_t i = 0; i < std::size(pixels.channels); i += 4)
-    std::memcpy(pixels.channels + i, &clear.x, sizeof clear);
+  clear_flat_tile(clear_value(task), pixels);
   for (const DrawPass& pass : passes) draw_flat_pass<eight_bits>(task, pass, tile, pixels);
   write_flat_tile<eight_bits>(task, pixels, tile);
 }
