@@ -80,16 +80,44 @@ TEST(FragmentLists, CoverageIsExactOnSliversAndTinyFacets) {
   expect_exact_coverage(far, view_from(far, {0.2f, 0.1f, 0.97f}, 60.0f, Projection::perspective, 40, 32));
 }
 
-// A sheet whose corners lie exactly on pixel centres, seen straight on: every centre is on edges or a corner.
-TEST(FragmentLists, TopLeftRuleCoversASheetOnPixelCentresOnce) {
-  const int side = 8;
-  Mesh sheet;
-  for (int y = 0; y <= side; ++y) {
-    for (int x = 0; x <= side; ++x) sheet.positions.emplace_back(x, y, 0);
+// From less than a pixel to most of the picture: facets of each size are rasterised in a way of their own, and facets
+// across tiles and the picture's sides in parts.
+TEST(FragmentLists, CoverageIsExactOnFacetsOfAnySize) {
+  std::uint32_t seed = 20;
+  for (const float size : {0.01f, 0.04f, 0.1f, 0.25f, 0.8f}) {
+    for (const Projection projection : {Projection::perspective, Projection::orthographic}) {
+      SCOPED_TRACE(size);
+      const Mesh mesh = shapes::scattered(25, size, ++seed);
+      View view = view_from(mesh, {0.3f, 0.5f, 0.8f}, 2.5f, projection, 70, 66);
+      view.vertical_fov_degrees = 30;
+      view.height_in_units *= 0.7f;
+      expect_exact_coverage(mesh, view);
+    }
   }
-  for (std::uint32_t y = 0; y < side; ++y) {
-    for (std::uint32_t x = 0; x < side; ++x) {
-      const std::uint32_t a = y * (side + 1) + x, b = a + 1, c = a + side + 1, d = c + 1;
+}
+
+// Corners up to a hundred and up to a million pictures away.
+TEST(FragmentLists, CoverageIsExactOnFacetsFarLargerThanThePicture) {
+  for (const float degrees : {0.5f, 5e-5f}) {
+    SCOPED_TRACE(degrees);
+    const Mesh mesh = shapes::soup(60, 13);
+    View view = view_from(mesh, {0.3f, 0.5f, 0.8f}, 2.5f, Projection::perspective, 40, 36);
+    view.vertical_fov_degrees = degrees;
+    expect_exact_coverage(mesh, view);
+  }
+}
+
+// A sheet of squares whose corners lie exactly on pixel centres, seen straight on: centres are on edges and corners.
+void expect_sheet_covered_once(int squares, int pixels_per_square) {
+  const int side = squares * pixels_per_square;
+  Mesh sheet;
+  for (int y = 0; y <= squares; ++y) {
+    for (int x = 0; x <= squares; ++x) sheet.positions.emplace_back(x * pixels_per_square, y * pixels_per_square, 0);
+  }
+  const auto squares_across = static_cast<std::uint32_t>(squares);
+  for (std::uint32_t y = 0; y < squares_across; ++y) {
+    for (std::uint32_t x = 0; x < squares_across; ++x) {
+      const std::uint32_t a = y * (squares_across + 1) + x, b = a + 1, c = a + squares_across + 1, d = c + 1;
       // Diagonals both ways, windings both ways: the rule must not care.
       if ((x + y) % 2 == 0) {
         sheet.triangles.emplace_back(a, b, d);
@@ -102,19 +130,27 @@ TEST(FragmentLists, TopLeftRuleCoversASheetOnPixelCentresOnce) {
   }
   View view;
   view.projection = Projection::orthographic;
-  view.width = view.height = 16;
-  view.height_in_units = 16;           // one unit a pixel
-  view.eye = {4.5f, 4.5f, 5};          // pixel centres fall on whole coordinates
-  view.at = {4.5f, 4.5f, 0};
+  const int size = side + 8;
+  view.width = view.height = size;
+  view.height_in_units = static_cast<float>(size);  // one unit a pixel
+  const float middle = 0.5f * static_cast<float>(side) + 0.5f;  // pixel centres fall on whole coordinates
+  view.eye = {middle, middle, 5};
+  view.at = {middle, middle, 0};
   const FragmentLists lists = collect_fragments(sheet.view(), view);
-  for (int y = 0; y < 16; ++y) {
-    for (int x = 0; x < 16; ++x) {
-      // The centre of pixel (x, y) is at (x - 3, 12 - y) on the sheet; left and top sides are in, the others out.
-      const int sheet_x = x - 3, sheet_y = 12 - y;
+  for (int y = 0; y < size; ++y) {
+    for (int x = 0; x < size; ++x) {
+      // The centre of pixel (x, y) is at (x - 3, side + 4 - y) on the sheet; left and top sides are in, the others out.
+      const int sheet_x = x - 3, sheet_y = side + 4 - y;
       const bool inside = sheet_x >= 0 && sheet_x < side && sheet_y > 0 && sheet_y <= side;
-      EXPECT_EQ(lists.pixel(static_cast<std::size_t>(y * 16 + x)).size(), inside ? 1u : 0u) << x << ", " << y;
+      EXPECT_EQ(lists.pixel(static_cast<std::size_t>(y * size + x)).size(), inside ? 1u : 0u) << x << ", " << y;
     }
   }
+}
+
+TEST(FragmentLists, TopLeftRuleCoversASheetOnPixelCentresOnce) {
+  expect_sheet_covered_once(8, 1);
+  expect_sheet_covered_once(10, 4);   // small facets, some across tiles
+  expect_sheet_covered_once(4, 20);   // larger ones
 }
 
 TEST(FragmentLists, ClosedMeshesAreEnteredAsOftenAsLeft) {

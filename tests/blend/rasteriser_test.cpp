@@ -1,7 +1,6 @@
 #include "facetsort/blend/rasteriser.h"
 
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +11,7 @@
 #include "facetsort/blend/strategy.h"
 #include "facetsort/report/allocations.h"
 #include "shapes.h"
+#include "support/instruction_sets.h"
 #include "support/mesh_files.h"
 #include "support/threads.h"
 
@@ -101,6 +101,16 @@ TEST(Rasteriser, DepthTestAndWriteKeepTheNearest) {
   // Tested but not written: the clear depth lets all pass.
   const DrawPass tested[] = {{.depth_test = DepthTest::less}};
   EXPECT_EQ(draw(mesh, small_view(), {1, 0}, colours, tested).pixels[0], glm::vec4(0.5f, 0.25f, 0, 1));
+}
+
+TEST(Rasteriser, PassesWithoutColourLeaveThePictureAlone) {
+  const Mesh mesh = covering_triangles({0, 1});
+  const std::vector<glm::vec4> colours{half_red, half_green};
+  const DrawPass no_colour[] = {{.colour_write = false}};
+  EXPECT_EQ(draw(mesh, small_view(), {0, 1}, colours, no_colour).pixels[0], background);
+  const DrawPass depth_alone[] = {{.depth_write = true, .colour_write = false},
+                                  {.depth_test = DepthTest::less_or_equal}};
+  EXPECT_EQ(draw(mesh, small_view(), {0, 1}, colours, depth_alone).pixels[0], glm::vec4(0, 0.5f, 0, 1));
 }
 
 TEST(Rasteriser, CountsTheFacetsItDraws) {
@@ -246,17 +256,7 @@ TEST(Rasteriser, SamePictureForAnyThreadCount) {
 TEST(Rasteriser, SamePictureForAnyInstructionSet) {
   const Mesh mesh = load("teapot_1k"), coloured = with_vertex_colours(mesh);
   const std::vector<Image> expected = pictures_of_every_kind(mesh, coloured);
-  const auto supported = hwy::SupportedTargets();
-  int tried = 0;
-  for (auto remaining = supported; remaining != 0; remaining &= remaining - 1) {
-    hwy::SetSupportedTargetsForTest(remaining & ~(remaining - 1));
-    hwy::GetChosenTarget().DeInit();
-    expect_same(pictures_of_every_kind(mesh, coloured), expected);
-    ++tried;
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().DeInit();
-  EXPECT_GE(tried, 1);
+  for_each_instruction_set([&] { expect_same(pictures_of_every_kind(mesh, coloured), expected); });
 }
 
 TEST(Rasteriser, DrawingAgainAllocatesNothing) {

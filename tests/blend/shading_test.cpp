@@ -1,14 +1,14 @@
 #include "facetsort/blend/shading.h"
 
 #include <gtest/gtest.h>
-#include <tbb/global_control.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <cmath>
 #include <vector>
 
 #include "shapes.h"
+#include "support/instruction_sets.h"
+#include "support/threads.h"
 
 namespace facetsort {
 namespace {
@@ -88,17 +88,40 @@ TEST(FacetColours, AreTheMeshsOwnLitAndPremultiplied) {
   expect_near(fragment_colour(mesh.view(), 0, ray_down_at(0, 0), eye), {0.125f, 0.0625f, 0.03125f, 0.25f});
 }
 
-TEST(FacetColours, AreThoseOfEachFacetForAnyThreadCount) {
-  const tbb::global_control allow(tbb::global_control::max_allowed_parallelism, 8);
-  const Mesh mesh = shapes::soup(20000, 4);
-  const glm::vec4 eye(3, -1, 2, 1);
-  for (const int threads : {1, 2, 8}) {
-    std::vector<glm::vec4> colours(5);  // of an earlier mesh
-    tbb::task_arena(threads).execute([&] { facet_colours(mesh.view(), eye, colours); });
-    ASSERT_EQ(colours.size(), 20000u);
-    for (std::uint32_t facet = 0; facet < 20000; ++facet)
-      ASSERT_EQ(colours[facet], facet_colour(mesh.view(), facet, eye)) << facet;
+void expect_colours_of_each_facet(const Mesh& mesh, const glm::vec4& eye) {
+  std::vector<glm::vec4> colours(5);  // of an earlier mesh
+  facet_colours(mesh.view(), eye, colours);
+  ASSERT_EQ(colours.size(), mesh.triangles.size());
+  for (std::uint32_t facet = 0; facet < colours.size(); ++facet) {
+    ASSERT_EQ(colours[facet], facet_colour(mesh.view(), facet, eye)) << facet;
   }
+}
+
+TEST(FacetColours, AreThoseOfEachFacetForAnyThreadCount) {
+  const Mesh mesh = shapes::soup(20000, 4);
+  for (const int threads : {1, 2, 8}) {
+    with_threads(threads, [&] { expect_colours_of_each_facet(mesh, {3, -1, 2, 1}); });
+  }
+}
+
+// Whole vectors and what is left of them; facets without area among the others.
+TEST(FacetColours, AreThoseOfEachFacetForAnyInstructionSetAndCount) {
+  for_each_instruction_set([] {
+    for (const std::size_t facets : {1u, 7u, 63u, 64u, 65u, 200u}) {
+      SCOPED_TRACE(facets);
+      Mesh mesh = shapes::soup(facets, 5);
+      for (std::size_t facet = 0; facet < facets; facet += 5) mesh.triangles[facet].y = mesh.triangles[facet].x;
+      for (const glm::vec4& eye : {glm::vec4(3, -1, 2, 1), glm::vec4(0.1f, 0.2f, -0.9f, 0)}) {
+        expect_colours_of_each_facet(mesh, eye);
+        Mesh coloured = mesh;
+        for (std::uint32_t facet = 0; facet < facets; ++facet) {
+          const float shade = static_cast<float>(facet) / static_cast<float>(facets);
+          coloured.facet_colours.emplace_back(shade, 1 - shade, 0.5f, 0.3f + 0.5f * shade);
+        }
+        expect_colours_of_each_facet(coloured, eye);
+      }
+    }
+  });
 }
 
 TEST(FragmentColours, MixTheCornersBeforeTheyArePremultiplied) {

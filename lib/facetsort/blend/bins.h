@@ -6,21 +6,34 @@
 #include <vector>
 
 #include "facetsort/blend/coverage.h"
+#include "facetsort/blend/facet_kernels.h"
 
 namespace facetsort::blend_internal {
 
 // Small enough that a tile's colours stay in the first-level cache, wide enough for whole vectors of any target.
 inline constexpr int tile_size = 32;
 
-// A facet, or a piece of it, in a tile; `facing` is +1 or -1.
+// A facet, or a piece of it, in a tile.
 struct BinEntry {
   std::uint32_t facet;
-  std::uint32_t piece;  // for FacetBins::cuts(); whole_facet where there are none
-  std::int8_t facing;
-  bool crosses_near;
   // Pixels of the tile that it may cover, inclusive, relative to the tile.
-  std::uint8_t x0, y0, x1, y1;
+  std::uint32_t x0 : 5, y0 : 5, x1 : 5, y1 : 5;
+  std::uint32_t coverage : 2, is_front : 1, crosses_near : 1;
+  // Coverage::known: the PixelSquare from (x0, y0) on. Otherwise the piece for FacetBins::cuts(), or whole_facet.
+  std::uint64_t detail;
+
+  Coverage how() const { return static_cast<Coverage>(coverage); }
+  int facing() const { return is_front ? 1 : -1; }
+  void set_columns(int first, int last) {
+    x0 = static_cast<std::uint32_t>(first) & 31u;
+    x1 = static_cast<std::uint32_t>(last) & 31u;
+  }
+  void set_rows(int first, int last) {
+    y0 = static_cast<std::uint32_t>(first) & 31u;
+    y1 = static_cast<std::uint32_t>(last) & 31u;
+  }
 };
+static_assert(tile_size == 1 << 5 && sizeof(BinEntry) == 16);
 
 inline constexpr std::uint32_t whole_facet = 0xffffffffu;
 
@@ -41,9 +54,10 @@ class FacetBins {
   }
   // Those of a piece's cuts that matter: together with the facet's edges they bound what it covers.
   std::span<const FacetCut> cuts(const BinEntry& entry) const {
-    if (entry.piece == whole_facet) return {};
-    const PlacedPiece& piece = chunks_[entry.piece / facets_per_chunk].pieces[entry.piece % facets_per_chunk];
-    return std::span(chunks_[entry.piece / facets_per_chunk].cuts).subspan(piece.first_cut, piece.cut_count);
+    if (entry.how() == Coverage::known || entry.detail == whole_facet) return {};
+    const Chunk& chunk = chunks_[entry.detail / facets_per_chunk];
+    const PlacedPiece& piece = chunk.pieces[entry.detail % facets_per_chunk];
+    return std::span(chunk.cuts).subspan(piece.first_cut, piece.cut_count);
   }
   // Facets and pieces kept, by facing.
   std::size_t front_facets() const { return front_facets_; }
@@ -53,17 +67,17 @@ class FacetBins {
   // Chunks are fixed by the length of the order alone, so that bins do not depend on the thread count.
   static constexpr std::uint32_t facets_per_chunk = 8192;
 
-  struct Placed {
-    PixelBox box;
+  // A facet or piece to be drawn.
+  struct Drawn {
+    PlacedFacet placed;
     std::uint32_t facet, piece;
-    std::int8_t facing;
   };
   struct PlacedPiece {
     std::uint32_t first_cut, cut_count;
   };
   // What one chunk of the order leaves.
   struct Chunk {
-    std::size_t kept = 0;  // how many were placed
+    std::size_t kept = 0, fronts = 0;  // how many are drawn, and how many of them are seen from the front
     std::vector<PlacedPiece> pieces;
     std::vector<FacetCut> cuts;
     PieceClipper clipper;
@@ -71,12 +85,16 @@ class FacetBins {
 
   void place(const ProjectedMesh& projected, std::span<const std::uint32_t> order, const Pieces& pieces,
              std::size_t chunk_index);
+  Drawn place_piece(const ProjectedMesh& projected, const Pieces& pieces, const Piece& piece, std::size_t chunk_index);
+  void turn_counts_into_cursors(std::size_t chunks);
+  void fill(std::size_t chunk_index);
 
   int columns_ = 0, rows_ = 0;
   std::size_t front_facets_ = 0, back_facets_ = 0;
-  std::vector<Placed> placed_;
+  std::vector<PlacedFacet> facets_;  // by id
+  std::vector<Drawn> drawn_;         // a chunk's from the start of its part of the order on
   std::vector<Chunk> chunks_;
-  std::vector<std::uint64_t> cursors_;  // a chunk and tile: count, then where its entries go
+  std::vector<std::uint64_t> cursors_;  // a chunk and tile: its count, then where its entries go
   std::vector<std::uint64_t> begins_;   // a tile
   std::vector<BinEntry> entries_;
 };

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "facetsort/base/parallel.h"
+#include "facetsort/blend/facet_kernels.h"
 #include "facetsort/exact/predicates.h"
 
 namespace facetsort::blend_internal {
@@ -12,11 +13,6 @@ namespace {
 
 constexpr std::size_t vertices_per_task = 16384;
 
-// What one rounding to double costs, relatively. The factors in front of it below count roundings along the longest
-// path and are rounded up; second-order terms are far below what the rounding up leaves.
-constexpr double rounding = 0x1p-53;
-// Of X, Y and W against the magnitude of their terms: difference, product, three sums, and the rounding of the input.
-constexpr double projection_roundings = 8 * rounding;
 // Of an edge function against the product of its corners' magnitudes: product, difference, and evaluation at a pixel.
 constexpr double edge_roundings = 8 * rounding;
 
@@ -152,13 +148,9 @@ void ProjectedMesh::project(const MeshView& mesh_in, const View& view_in) {
   bounds.w = bound(camera.row_w, camera.offset.z);
 
   vertices.resize(mesh.vertex_count());
+  grid_points.resize(mesh.vertex_count());
   parallel_ranges(vertices.size(), vertices_per_task, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      const glm::dvec3 q = glm::dvec3(mesh.positions[i]) - camera.eye;
-      const double reach = std::abs(q.x) + std::abs(q.y) + std::abs(q.z) + bounds.offset_reach;
-      vertices[i] = {glm::dot(camera.row_x, q) + camera.offset.x, glm::dot(camera.row_y, q) + camera.offset.y,
-                     glm::dot(camera.row_w, q) + camera.offset.z, reach};
-    }
+    project_vertices(*this, begin, end);
   });
 }
 

@@ -5,11 +5,11 @@
 // has the sign of the side of it on which the pixel p lies. A facet covers p when its three edges agree with
 // det[h0 h1 h2]; that holds for corners in front of, behind and across the eye plane alike, so nothing is clipped.
 //
-// Signs are decided three times over: in float, relative to a tile, with a bound (tile_kernels.cpp); where that fails,
-// in double with a bound; where that fails too, in exact integers. A centre exactly on an edge belongs to the facet to
-// its right, or below it (top-left rule), which is the same as moving the centre by an infinitesimal amount to the
-// right and a yet smaller one down: hence every pixel of a closed surface is covered exactly once a layer, at edges
-// and corners too.
+// Signs are decided three times over: in float, close to the facet, with a bound (place_facets-inl.h and
+// covered_rows-inl.h); where that fails, in double with a bound; where that fails too, in exact integers. A centre
+// exactly on an edge belongs to the facet to its right, or below it (top-left rule), which is the same as moving the
+// centre by an infinitesimal amount to the right and a yet smaller one down: hence every pixel of a closed surface is
+// covered exactly once a layer, at edges and corners too.
 //
 // A piece of a facet also covers only what lies on the given side of each of its cuts' planes. The point seen at p has
 // weights E_i(p) of the facet's corners, so the plane's value there is C(p) = sum(E_i(p) s_i) up to a positive factor,
@@ -19,6 +19,7 @@
 
 #include <cstdint>
 #include <glm/glm.hpp>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -28,10 +29,25 @@
 
 namespace facetsort::blend_internal {
 
+// What one rounding to double costs, relatively. The factors in front of it count roundings along the longest path and
+// are rounded up; second-order terms are far below what the rounding up leaves.
+inline constexpr double rounding = 0x1p-53;
+// Of X, Y and W against the magnitude of their terms: difference, product, three sums, and the rounding of the input.
+inline constexpr double projection_roundings = 8 * rounding;
+
 // A corner in homogeneous pixels, and `reach`, which bounds the terms that X, Y and W are sums of (see ViewBounds).
 struct ProjectedVertex {
   double x, y, w, reach;
 };
+
+// A corner's place on the screen in units of 2^-grid_bits pixels, so that distances on the screen are small integers.
+// Each coordinate is within one unit of the true one; both are off_grid where that can't be had, or where the corner is
+// nearer than the near plane.
+struct GridPoint {
+  std::int32_t x, y;
+};
+inline constexpr int grid_bits = 16;
+inline constexpr std::int32_t off_grid = std::numeric_limits<std::int32_t>::min();
 
 // The terms of X, Y and W have magnitudes that sum to at most x * reach, y * reach and w * reach.
 struct ViewBounds {
@@ -46,6 +62,7 @@ struct ProjectedMesh {
   Camera camera{View{}};
   ViewBounds bounds{};
   std::vector<ProjectedVertex> vertices;
+  std::vector<GridPoint> grid_points;  // of the vertices
 
   // Parallel in the caller's task arena. Keeps its storage.
   void project(const MeshView& mesh_in, const View& view_in);

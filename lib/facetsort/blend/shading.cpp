@@ -6,11 +6,14 @@
 #include <cmath>
 
 #include "facetsort/base/parallel.h"
+#include "facetsort/blend/facet_kernels.h"
 
 namespace facetsort {
 namespace {
 
-constexpr float ambient = 0.25f, diffuse = 0.75f;
+using blend_internal::ambient_light, blend_internal::default_hue_step, blend_internal::diffuse_light;
+
+constexpr std::size_t facets_per_task = 4096;
 
 // The finaliser of MurmurHash3 (Appleby 2011): every bit of the id changes half of the bits of the hash.
 std::uint32_t hash(std::uint32_t id) {
@@ -32,7 +35,7 @@ inline float light_on(const MeshView& mesh, std::uint32_t facet, const glm::dvec
   const double squared_lengths = glm::dot(normal, normal) * glm::dot(to_eye, to_eye);
   if (!(squared_lengths > 0)) return 1;
   const double cosine = std::abs(glm::dot(normal, to_eye)) / std::sqrt(squared_lengths);
-  return ambient + diffuse * static_cast<float>(std::min(cosine, 1.0));
+  return ambient_light + diffuse_light * static_cast<float>(std::min(cosine, 1.0));
 }
 
 inline glm::vec4 premultiplied(const glm::vec4& straight, float light) {
@@ -63,7 +66,7 @@ std::array<double, 3> barycentric(const MeshView& mesh, std::uint32_t facet, con
 
 glm::vec4 default_facet_colour(std::uint32_t facet) {
   // [0, 6): red, yellow, green, ... red; 16 bits, so that all that follows is exact.
-  const float hue = static_cast<float>(hash(facet) >> 16) * (6.0f / 0x1p16f);
+  const float hue = static_cast<float>(hash(facet) >> 16) * default_hue_step;
   return {clamped(std::abs(hue - 3) - 1), clamped(2 - std::abs(hue - 2)), clamped(2 - std::abs(hue - 4)),
           default_alpha};
 }
@@ -88,10 +91,8 @@ glm::vec4 fragment_colour(const MeshView& mesh, std::uint32_t facet, const Ray& 
 void facet_colours(const MeshView& mesh, const glm::vec4& homogeneous_eye, std::vector<glm::vec4>& colours) {
   assert(has_one_colour_per_facet(mesh));
   colours.resize(mesh.facet_count());
-  const glm::dvec4 eye(homogeneous_eye);
-  parallel_ranges(mesh.facet_count(), 4096, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t facet = begin; facet < end; ++facet)
-      colours[facet] = lit_facet(mesh, static_cast<std::uint32_t>(facet), eye);
+  parallel_ranges(mesh.facet_count(), facets_per_task, [&](std::size_t begin, std::size_t end) {
+    blend_internal::colour_facets(mesh, homogeneous_eye, begin, end, colours.data() + begin);
   });
 }
 

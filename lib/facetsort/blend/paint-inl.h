@@ -1,0 +1,153 @@
+// Internal to blend: the colours of the fragments of a tile, a plane a channel.
+#if defined(FACETSORT_BLEND_PAINT_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef FACETSORT_BLEND_PAINT_INL_H
+#undef FACETSORT_BLEND_PAINT_INL_H
+#else
+#define FACETSORT_BLEND_PAINT_INL_H
+#endif
+
+#include <algorithm>
+#include <cstdint>
+#include <cstring>
+#include <limits>
+
+#include "facetsort/blend/covered_rows-inl.h"
+#include "facetsort/blend/shading.h"
+#include "facetsort/blend/tile_kernels.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace facetsort::blend_internal::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+bool is_culled(const DrawPass& pass, const BinEntry& entry) {
+  return (pass.cull == Cull::back_faces && !entry.is_front) || (pass.cull == Cull::front_faces && entry.is_front);
+}
+
+// An attribute of the facet's corners interpolated in perspective: sum(E_i v_i) / sum(E_i). In double, because the
+// edge functions of a thin facet cancel.
+struct Interpolant {
+  double a = 0, b = 0, c = 0;
+
+  static Interpolant of(const FacetEdges& edges, double v0, double v1, double v2) {
+    return {edges.a[0] * v0 + edges.a[1] * v1 + edges.a[2] * v2, edges.b[0] * v0 + edges.b[1] * v1 + edges.b[2] * v2,
+            edges.c[0] * v0 + edges.c[1] * v1 + edges.c[2] * v2};
+  }
+};
+
+// Numerator over denominator for the vector of pixels that starts at (x, y).
+HWY_INLINE hn::VFromD<FloatTag> interpolate(const Interpolant& numerator, const Interpolant& denominator, int x,
+                                            int y) {
+  const FloatTag d;
+  const hn::CappedTag<double, tile_size> dd;
+  const hn::Rebind<float, decltype(dd)> part;  // as many floats as a vector of doubles has lanes
+  const int lanes = static_cast<int>(hn::Lanes(d)), part_lanes = static_cast<int>(hn::Lanes(dd));
+  const auto evaluate = [&](const Interpolant& function, hn::VFromD<decltype(dd)> fx) {
+    return hn::Add(hn::Mul(hn::Set(dd, function.a), fx), hn::Set(dd, function.b * y + function.c));
+  };
+  HWY_ALIGN float values[tile_size];
+  for (int lane = 0; lane < lanes; lane += part_lanes) {
+    const auto fx = hn::Iota(dd, static_cast<double>(x + lane));
+    const auto quotient = hn::Div(evaluate(numerator, fx), evaluate(denominator, fx));
+    hn::Store(hn::DemoteTo(part, quotient), part, values + lane);
+  }
+  return hn::Load(d, values);
+}
+
+constexpr float infinity = std::numeric_limits<float>::infinity();
+
+double distance_along_axis(const ProjectedMesh& projected, std::uint32_t facet, int corner) {
+  return glm::dot(projected.camera.forward, glm::dvec3(projected.mesh.corner(facet, corner)) - projected.camera.eye);
+}
+
+// How a facet is coloured in one tile.
+struct Paint {
+  glm::vec4 flat;  // premultiplied, where each facet has one colour
+  Interpolant denominator, colour[4];
+  float light;
+
+  // `edges`: in the coordinates of the tile.
+  template <bool vertex_colours>
+  void set_up(const TileTask& task, std::uint32_t facet, const FacetEdges& edges) {
+    if constexpr (vertex_colours) {
+      const MeshView& mesh = task.projected.mesh;
+      light = headlight(mesh, facet, task.projected.view.homogeneous_eye());
+      denominator = Interpolant::of(edges, 1, 1, 1);
+      const glm::uvec3& t = mesh.triangles[facet];
+      const auto& colours = mesh.vertex_colours;
+      for (int k = 0; k < 4; ++k) {
+        colour[k] = Interpolant::of(edges, colours[t[0]][k], colours[t[1]][k], colours[t[2]][k]);
+      }
+    } else {
+      flat = task.colours[facet];
+    }
+  }
+};
+
+// Calls blend(channel, source, transparency) for the four channels of the vector of pixels that starts at (x, y), the
+// source premultiplied and in units of the format.
+template <bool vertex_colours, typename Blend>
+HWY_INLINE void blend_paint(const Paint& paint, float channel_scale, int x, int y, const Blend& blend) {
+  const FloatTag d;
+  const auto scale = hn::Set(d, channel_scale);
+  if constexpr (vertex_colours) {
+    const auto alpha = interpolate(paint.colour[3], paint.denominator, x, y);
+    const auto transparency = hn::Sub(hn::Set(d, 1.0f), alpha);
+    const auto factor = hn::Mul(hn::Mul(alpha, hn::Set(d, paint.light)), scale);
+    for (int k = 0; k < 3; ++k) {
+      blend(k, hn::Mul(interpolate(paint.colour[k], paint.denominator, x, y), factor), transparency);
+    }
+    blend(3, hn::Mul(alpha, scale), transparency);
+  } else {
+    const auto transparency = hn::Set(d, 1.0f - paint.flat.a);
+    for (int k = 0; k < 4; ++k) blend(k, hn::Mul(hn::Set(d, paint.flat[k]), scale), transparency);
+  }
+}
+
+// What a channel of 1 is in units of the format.
+float channel_scale(const TileTask& task) { return task.format == PixelFormat::rgba8 ? 255.0f : 1.0f; }
+
+// Every channel's clear value, rounded as the format is.
+glm::vec4 clear_value(const TileTask& task) {
+  return task.format == PixelFormat::rgba8 ? glm::round(task.clear_colour * 255.0f) : task.clear_colour;
+}
+
+void fill(TilePlane& plane, float value) { std::fill(std::begin(plane.pixel), std::end(plane.pixel), value); }
+
+void clear(TileColours& colours, const glm::vec4& value) {
+  for (int k = 0; k < 4; ++k) fill(colours.channel[k], value[k]);
+}
+
+// Edge functions in double, in the coordinates of the tile that begins at (x0, y0).
+FacetEdges edges_in_tile(const ProjectedMesh& projected, const BinEntry& entry, int x0, int y0) {
+  return facet_edges(projected, entry.facet, entry.facing(), {x0 + 0.5, y0 + 0.5}, tile_size);
+}
+
+// The channels of the picture from a pixel on.
+float* picture_row(Image& image, int x, int y) {
+  const std::size_t row = static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width);
+  return &image.pixels[row + static_cast<std::size_t>(x)].x;
+}
+
+void write_tile(const TileTask& task, const TileColours& colours, int x0, int y0) {
+  const FloatTag d;
+  const int lanes = static_cast<int>(hn::Lanes(d));
+  const int width = std::min(tile_size, task.image.width - x0);
+  const int height = std::min(tile_size, task.image.height - y0);
+  const auto scale = hn::Set(d, 1.0f / channel_scale(task));
+  HWY_ALIGN float interleaved[4 * tile_size];
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < tile_size; x += lanes) {
+      const std::size_t pixel = static_cast<std::size_t>(y * tile_size + x);
+      const auto channel = [&](int k) HWY_ATTR {
+        return hn::Mul(hn::Load(d, colours.channel[k].pixel + pixel), scale);
+      };
+      hn::StoreInterleaved4(channel(0), channel(1), channel(2), channel(3), d, interleaved + 4 * x);
+    }
+    std::memcpy(picture_row(task.image, x0, y0 + y), interleaved, static_cast<std::size_t>(width) * sizeof(glm::vec4));
+  }
+}
+
+}  // namespace facetsort::blend_internal::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif  // per target

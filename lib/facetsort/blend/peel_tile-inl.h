@@ -1,0 +1,216 @@
+// Internal to blend: depth peeling, in one tile.
+#if defined(FACETSORT_BLEND_PEEL_TILE_INL_H) == defined(HWY_TARGET_TOGGLE)
+#ifdef FACETSORT_BLEND_PEEL_TILE_INL_H
+#undef FACETSORT_BLEND_PEEL_TILE_INL_H
+#else
+#define FACETSORT_BLEND_PEEL_TILE_INL_H
+#endif
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+
+#include "facetsort/blend/covered_rows-inl.h"
+#include "facetsort/blend/paint-inl.h"
+#include "facetsort/blend/tile_kernels.h"
+
+HWY_BEFORE_NAMESPACE();
+namespace facetsort::blend_internal::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+// Depth for peeling: linear on the screen, as what graphics hardware stores is, so that it takes no division a pixel.
+// -1 / W in perspective and the distance along the camera axis in orthographic views: both grow with the distance, and
+// a step of -1 / W in float32 is as fine, for the distance it stands for, as a step of the distance itself.
+struct PeelDepth {
+  Interpolant line;
+  float nearest, farthest;  // of the facet's corners; a thin facet's line strays beyond
+
+  void set_up(const ProjectedMesh& projected, const BinEntry& entry, const FacetEdges& edges) {
+    constexpr double largest_float = std::numeric_limits<float>::max();
+    double value[3], w[3];
+    for (int i = 0; i < 3; ++i) {
+      w[i] = projected.vertices[projected.mesh.triangles[entry.facet][i]].w;
+      value[i] = projected.camera.perspective ? -1 : distance_along_axis(projected, entry.facet, i);
+    }
+    // sum(E_i W_i) is the same at every pixel.
+    const double sum = edges.c[0] * w[0] + edges.c[1] * w[1] + edges.c[2] * w[2];
+    const double scale = sum > 1e-290 ? 1 / sum : 0.0;
+    line = Interpolant::of(edges, value[0] * scale, value[1] * scale, value[2] * scale);
+    auto [low, high] = std::minmax({value[0], value[1], value[2]});
+    if (projected.camera.perspective) {
+      low = -1 / std::max(std::min({w[0], w[1], w[2]}), projected.camera.near_distance);
+      high = -1 / std::max({w[0], w[1], w[2]});
+    }
+    nearest = static_cast<float>(std::clamp(low, -largest_float, largest_float));
+    farthest = static_cast<float>(std::clamp(high, -largest_float, largest_float));
+  }
+
+  // At the vector of pixels that starts at (x, y).
+  HWY_INLINE hn::VFromD<FloatTag> at(int x, int y) const {
+    const FloatTag d;
+    const hn::CappedTag<double, tile_size> dd;
+    const hn::Rebind<float, decltype(dd)> part;
+    const int lanes = static_cast<int>(hn::Lanes(d)), part_lanes = static_cast<int>(hn::Lanes(dd));
+    const auto row = hn::Set(dd, line.b * y + line.c);
+    HWY_ALIGN float values[tile_size];
+    for (int lane = 0; lane < lanes; lane += part_lanes) {
+      const auto fx = hn::Iota(dd, static_cast<double>(x + lane));
+      hn::Store(hn::DemoteTo(part, hn::Add(hn::Mul(hn::Set(dd, line.a), fx), row)), part, values + lane);
+    }
+    return hn::Clamp(hn::Load(d, values), hn::Set(d, nearest), hn::Set(d, farthest));
+  }
+};
+
+// Runs over the tile once: peel(paint, pixel, x, y, mask, depth) for every vector of pixels in which something is
+// covered.
+template <bool vertex_colours, typename Peel>
+void peel_pass(const TileTask& task, int tile, const Peel& peel) {
+  const int x0 = task.bins.tile_x(tile), y0 = task.bins.tile_y(tile);
+  Paint paint;
+  PeelDepth depth;
+  for (const BinEntry& entry : task.bins.tile(tile)) {
+    bool is_set_up = false;
+    const auto set_up = [&] {
+      const FacetEdges edges = edges_in_tile(task.projected, entry, x0, y0);
+      depth.set_up(task.projected, entry, edges);
+      paint.set_up<vertex_colours>(task, entry.facet, edges);
+      is_set_up = true;
+    };
+    for_covered_vectors(task.projected, task.bins, entry, x0, y0,
+                        [&](int x, int y, hn::Mask<FloatTag> mask) HWY_ATTR {
+                          if (!is_set_up) set_up();
+                          peel(paint, static_cast<std::size_t>(y * tile_size + x), x, y, mask, depth.at(x, y));
+                        });
+  }
+}
+
+// The layer of one pass, as a render target keeps it. `combine(stored, source)` says what becomes of what is there.
+template <bool vertex_colours, typename Combine>
+HWY_INLINE void store_layer(const TileTask& task, const Paint& paint, std::size_t pixel, int x, int y,
+                            hn::Mask<FloatTag> mask, TileColours& layer, const Combine& combine) {
+  const FloatTag d;
+  const bool eight_bits = task.format == PixelFormat::rgba8;
+  blend_paint<vertex_colours>(paint, channel_scale(task), x, y,
+                              [&](int channel, hn::VFromD<FloatTag> source, hn::VFromD<FloatTag>) HWY_ATTR {
+                                float* plane = layer.channel[channel].pixel + pixel;
+                                const auto stored = hn::Load(d, plane);
+                                if (eight_bits) source = hn::Round(source);
+                                hn::Store(hn::IfThenElse(mask, combine(stored, source), stored), d, plane);
+                              });
+}
+
+// Blends one tile over another, pixel by pixel, into `result`, which may be either.
+void blend_over(const TileTask& task, const TileColours& above, const TileColours& below, TileColours& result) {
+  const FloatTag d;
+  const bool eight_bits = task.format == PixelFormat::rgba8;
+  const auto unit = hn::Set(d, 1.0f / channel_scale(task));
+  for (std::size_t pixel = 0; pixel < tile_size * tile_size; pixel += hn::Lanes(d)) {
+    const auto alpha = hn::Mul(hn::Load(d, above.channel[3].pixel + pixel), unit);
+    const auto transparency = hn::Sub(hn::Set(d, 1.0f), alpha);
+    for (int k = 0; k < 4; ++k) {
+      auto blended = hn::Add(hn::Load(d, above.channel[k].pixel + pixel),
+                             hn::Mul(hn::Load(d, below.channel[k].pixel + pixel), transparency));
+      if (eight_bits) blended = hn::Round(blended);
+      hn::Store(blended, d, result.channel[k].pixel + pixel);
+    }
+  }
+}
+
+bool any_finite(const TilePlane& depths) {
+  return std::any_of(std::begin(depths.pixel), std::end(depths.pixel), [](float depth) { return depth < infinity; });
+}
+
+// Everitt, "Interactive Order-Independent Transparency" (2001): each pass keeps the nearest layer beyond the last one,
+// which is blended under those before it.
+template <bool vertex_colours>
+bool peel_front_to_back(const TileTask& task, int tile, PeeledTile& peeled) {
+  const FloatTag d;
+  TileColours layer;
+  TilePlane nearest;
+  fill(nearest, infinity);
+  clear(layer, glm::vec4(0));
+  peel_pass<vertex_colours>(
+      task, tile,
+      [&](const Paint& paint, std::size_t pixel, int x, int y, hn::Mask<FloatTag> mask,
+          hn::VFromD<FloatTag> depth) HWY_ATTR {
+        const auto stored = hn::Load(d, nearest.pixel + pixel);
+        const auto last = hn::Load(d, peeled.nearest.pixel + pixel);
+        mask = hn::And(mask, hn::And(hn::Gt(depth, last), hn::Lt(depth, stored)));
+        if (hn::AllFalse(d, mask)) return;
+        hn::Store(hn::IfThenElse(mask, depth, stored), d, nearest.pixel + pixel);
+        store_layer<vertex_colours>(task, paint, pixel, x, y, mask, layer,
+                                    [](hn::VFromD<FloatTag>, hn::VFromD<FloatTag> source) HWY_ATTR { return source; });
+      });
+  peeled.nearest = nearest;
+  if (!any_finite(nearest)) return false;
+  blend_over(task, peeled.front, layer, peeled.front);
+  return true;
+}
+
+// Bavoil and Myers, "Order Independent Transparency with Dual Depth Peeling" (2008): each pass peels the nearest and
+// the farthest layer that are left, found by the pass before, and finds the next two. Layers are kept by the larger
+// value of each channel, as with the paper's MAX blending.
+template <bool vertex_colours>
+bool peel_from_both_ends(const TileTask& task, int tile, PeeledTile& peeled) {
+  const FloatTag d;
+  TileColours front_layer, back_layer;
+  TilePlane next_nearest, next_farthest;
+  fill(next_nearest, infinity);
+  fill(next_farthest, -infinity);
+  clear(front_layer, glm::vec4(0));
+  clear(back_layer, glm::vec4(0));
+  const auto larger = [](hn::VFromD<FloatTag> a, hn::VFromD<FloatTag> b) HWY_ATTR { return hn::Max(a, b); };
+  peel_pass<vertex_colours>(
+      task, tile,
+      [&](const Paint& paint, std::size_t pixel, int x, int y, hn::Mask<FloatTag> mask,
+          hn::VFromD<FloatTag> depth) HWY_ATTR {
+        const auto nearest = hn::Load(d, peeled.nearest.pixel + pixel);
+        const auto farthest = hn::Load(d, peeled.farthest.pixel + pixel);
+        const auto between = hn::And(mask, hn::And(hn::Gt(depth, nearest), hn::Lt(depth, farthest)));
+        if (!hn::AllFalse(d, between)) {
+          const auto low = hn::Load(d, next_nearest.pixel + pixel), high = hn::Load(d, next_farthest.pixel + pixel);
+          hn::Store(hn::IfThenElse(between, hn::Min(depth, low), low), d, next_nearest.pixel + pixel);
+          hn::Store(hn::IfThenElse(between, hn::Max(depth, high), high), d, next_farthest.pixel + pixel);
+        }
+        const auto at_front = hn::And(mask, hn::Eq(depth, nearest));
+        if (!hn::AllFalse(d, at_front)) {
+          store_layer<vertex_colours>(task, paint, pixel, x, y, at_front, front_layer, larger);
+        }
+        const auto at_back = hn::AndNot(at_front, hn::And(mask, hn::Eq(depth, farthest)));
+        if (!hn::AllFalse(d, at_back)) {
+          store_layer<vertex_colours>(task, paint, pixel, x, y, at_back, back_layer, larger);
+        }
+      });
+  blend_over(task, peeled.front, front_layer, peeled.front);
+  blend_over(task, back_layer, peeled.back, peeled.back);
+  peeled.nearest = next_nearest;
+  peeled.farthest = next_farthest;
+  return any_finite(next_nearest);
+}
+
+void StartPeeling(const TileTask& task, PeeledTile& peeled) {
+  clear(peeled.front, glm::vec4(0));
+  clear(peeled.back, clear_value(task));
+  fill(peeled.nearest, -infinity);
+  fill(peeled.farthest, infinity);
+}
+
+bool PeelTile(const TileTask& task, Peeling peeling, int tile, PeeledTile& peeled) {
+  const bool vertex_colours = task.colours.empty();
+  if (peeling == Peeling::front_to_back) {
+    return vertex_colours ? peel_front_to_back<true>(task, tile, peeled)
+                          : peel_front_to_back<false>(task, tile, peeled);
+  }
+  return vertex_colours ? peel_from_both_ends<true>(task, tile, peeled)
+                        : peel_from_both_ends<false>(task, tile, peeled);
+}
+
+void FinishPeeling(const TileTask& task, int tile, PeeledTile& peeled) {
+  blend_over(task, peeled.front, peeled.back, peeled.front);
+  write_tile(task, peeled.front, task.bins.tile_x(tile), task.bins.tile_y(tile));
+}
+
+}  // namespace facetsort::blend_internal::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif  // per target
