@@ -12,6 +12,7 @@
 #include "facetsort/check/verdict.h"
 #include "facetsort/exact/exact_sorter.h"
 #include "facetsort/facets/facets.h"
+#include "facetsort/order/method.h"
 #include "subjects.h"
 #include "thread_counts.h"
 
@@ -20,11 +21,11 @@ namespace {
 
 constexpr int picture_size = 512;  // of the check
 
-void sort_frames(benchmark::State& state, const Subject& subject, int threads) {
+void sort_frames(benchmark::State& state, const Subject& subject, OrderFrom from, int threads) {
   const Mesh& mesh = subject.mesh();
   const std::vector<View> frames = frames_around(mesh, picture_size);
   tbb::task_arena arena(threads);
-  ExactSorter sorter(mesh.view());
+  ExactSorter sorter(mesh.view(), {.from = from});
   std::span<const std::uint32_t> order;
   std::size_t frame = 0;
   arena.execute([&] {
@@ -53,9 +54,13 @@ void register_exact_benchmarks() {
   std::vector<Subject> subjects = shipped_meshes();
   for (const Subject& knot : knots(10000, 1000000)) subjects.push_back(knot);
   for (const Subject& subject : subjects) {
-    register_per_thread_count("exact/" + subject.name(), [=](benchmark::State& state, int threads) {
-      sort_frames(state, subject, threads);
-    });
+    for (const Method method : all_methods()) {
+      if (!is_exact(method)) continue;
+      const std::string name = std::string(method_name(method)) + "/" + subject.name();
+      register_per_thread_count(name, [=](benchmark::State& state, int threads) {
+        sort_frames(state, subject, order_from(method), threads);
+      });
+    }
   }
 }
 

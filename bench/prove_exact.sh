@@ -3,12 +3,19 @@
 # inside with six views each, and 32 orthographic directions. One line a mesh; exits 1 where a pixel or a ray is wrong.
 # Needs the built program (bash apps/run.sh builds it).
 #
-#   bash bench/prove_exact.sh SIZE MESH...     for example: bash bench/prove_exact.sh 1024 meshes/*.ply
+#   bash bench/prove_exact.sh [METHOD] SIZE MESH...     for example: bash bench/prove_exact.sh 1024 meshes/*.ply
+#
+# METHOD is exact, exact_tree or exact_tree_pieces; exact where there is none.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 program=$root/build/release/apps/facetsort/facetsort
+method=exact
+if [[ ${1:-} == exact* ]]; then
+  method=$1
+  shift
+fi
 if [[ $# -lt 2 || ! -x $program ]]; then
-  sed -n '2,6s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2
+  sed -n '2,8s/^# \{0,1\}//p' "${BASH_SOURCE[0]}" >&2
   exit 2
 fi
 size=$1
@@ -23,7 +30,7 @@ failed=0
 for mesh in "$@"; do
   for i in "${!sets[@]}"; do
     # shellcheck disable=SC2086  # several words
-    "$program" compare "$mesh" ${sets[$i]} --strategies facet_sort:exact --repeats 1 --size "$size" \
+    "$program" compare "$mesh" ${sets[$i]} --strategies "facet_sort:$method" --repeats 1 --size "$size" \
       --out "$work/$i" >/dev/null
   done
   awk -F, -v name="$(basename "${mesh%.*}")" '

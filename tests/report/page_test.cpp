@@ -134,13 +134,13 @@ TEST(Page, SaysWhatToTakeAndShowsEachMesh) {
 
 TEST(Page, TellsWhatTheExactOrderHadToDoInEachView) {
   Comparison comparison = test::make_comparison();
-  EXPECT_EQ(written_page(comparison).find("What the exact order had to do"), std::string::npos);
+  EXPECT_EQ(written_page(comparison).find("What the exact orders had to do"), std::string::npos);
   comparison.rows.push_back(test::make_exact_row("cup", 0, 54321));
   comparison.rows.push_back(test::make_exact_row("cup", 1, 65432));
   const std::string page = written_page(comparison);
   expect_well_formed(page);
-  EXPECT_EQ(occurrences(page, "What the exact order had to do"), 1u);
-  for (const char* said : {"<th scope=\"row\">view 1</th><td>7</td>", "<td>54,321</td>", "<td>65,432</td>",
+  EXPECT_EQ(occurrences(page, "What the exact orders had to do"), 1u);
+  for (const char* said : {", view 1</th><td>7</td>", "<td>54,321</td>", "<td>65,432</td>",
                            ">candidate pairs</th>", ">pairs<small>ms</small></th>", "<td>0.625</td>"}) {
     EXPECT_NE(page.find(said), std::string::npos) << said;
   }

@@ -41,12 +41,14 @@ struct KnownLook {
   std::string_view colour;
   int symbol;
 };
-constexpr std::array<KnownLook, 9> known_looks{{{"unsorted", "#8a7a6a", 2},
+constexpr std::array<KnownLook, 11> known_looks{{{"unsorted", "#8a7a6a", 2},
                                                 {"separate_culling_pass", "#c97a00", 8},
                                                 {"double_sided", "#c9569c", 10},
                                                 {"depth_prepass", "#128a6b", 4},
                                                 {"depth_write", "#5f9e2f", 1},
                                                 {"facet_sort:exact", "#d1442f", 6},
+                                                {"facet_sort:exact_tree", "#9c2f5b", 6},
+                                                {"facet_sort:exact_tree_pieces", "#e0662a", 6},
                                                 {"depth_peeling", "#8d7b1a", 12},
                                                 {"dual_depth_peeling", "#a06a2c", 14},
                                                 {"reference", "#7a808a", 3}}};
@@ -593,12 +595,12 @@ std::string words_html(std::string_view name) {
   return text;
 }
 
-// What the exact order had to do in each view, in the manner of a solver's log; nothing where it was not run.
+// What the exact orders had to do in each view, in the manner of a solver's log; nothing where none was run.
 std::string exact_table_html(const MeshResults& results, const Comparison& comparison) {
   std::string rows;
   for (const Row& row : comparison.rows) {
     if (row.mesh != results.mesh.name || !row.exact) continue;
-    rows += join("<tr><th scope=\"row\">view ", std::to_string(row.view + 1), "</th>");
+    rows += join("<tr><th scope=\"row\">", html_escape(row.strategy), ", view ", std::to_string(row.view + 1), "</th>");
     for (const ExactCount& count : exact_counts) rows += join("<td>", count_text((*row.exact).*count.value), "</td>");
     for (const ExactTime& time : exact_times) {
       rows += join("<td>", milliseconds_number((*row.exact).*time.value_ms), "</td>");
@@ -607,9 +609,9 @@ std::string exact_table_html(const MeshResults& results, const Comparison& compa
   }
   if (rows.empty()) return "";
   std::string html = join(
-      "<details class=\"table\"><summary>What the exact order had to do</summary>\n<div class=\"scroll\" "
-      "tabindex=\"0\" role=\"region\" aria-label=\"The exact order of ",
-      html_escape(results.mesh.name), "\"><table>\n<thead><tr><th scope=\"col\">view</th>");
+      "<details class=\"table\"><summary>What the exact orders had to do</summary>\n<div class=\"scroll\" "
+      "tabindex=\"0\" role=\"region\" aria-label=\"The exact orders of ",
+      html_escape(results.mesh.name), "\"><table>\n<thead><tr><th scope=\"col\">strategy and view</th>");
   for (const ExactCount& count : exact_counts) html += join("<th scope=\"col\">", words_html(count.name), "</th>");
   for (const ExactTime& time : exact_times) {
     html += join("<th scope=\"col\">", words_html(time.name), "<small>ms</small></th>");
