@@ -77,7 +77,6 @@ struct Output {
   std::uint16_t* indices_16 = nullptr;
   std::uint32_t* ids = nullptr;
   bool prefetches = false;  // corners, where they are too many for the cache
-  bool streams = false;     // 32-bit indices past the cache, where they are too many for it
 
   Output operator+(std::size_t facets) const;
 };

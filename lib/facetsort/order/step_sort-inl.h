@@ -150,40 +150,17 @@ HWY_INLINE void write_triangles(const std::uint32_t* ids, std::size_t count, con
   for (; k < count; ++k) write_triangle(corners + 3 * std::size_t{ids[k]}, to + 3 * k);
 }
 
-// Past the cache, through a tile: in whole vectors, which is all that such stores are good for.
-// Precondition: `to` is aligned for them.
-HWY_INLINE void stream_tile(const std::uint32_t* ids, const std::uint32_t* corners, std::uint32_t* to) {
-  const hn::CappedTag<std::uint32_t, tile_facets> d;
-  HWY_ALIGN std::uint32_t tile[3 * tile_facets];
-  for (std::size_t k = 0; k < tile_facets; k += 4) write_four_triangles(ids + k, corners, tile + 3 * k);
-  for (std::size_t i = 0; i < 3 * tile_facets; i += hn::Lanes(d)) hn::Stream(hn::Load(d, tile + i), d, to + i);
-}
-
-// Triangles to write before the place of one is aligned for streaming. There is such a place: a triangle has 12 bytes.
-HWY_INLINE std::size_t triangles_to_alignment(const std::uint32_t* to) {
-  const std::size_t alignment = sizeof(std::uint32_t) * hn::Lanes(hn::CappedTag<std::uint32_t, tile_facets>());
-  std::size_t k = 0;
-  while (reinterpret_cast<std::uintptr_t>(to + 3 * k) % alignment != 0) ++k;
-  return k;
-}
-
 void WriteOrder(const std::uint32_t* ids, std::size_t count, const Output& output) {
-  // Triangles come from memory in time if they are asked for this many ahead.
-  constexpr std::size_t ahead = tile_facets;
+  // Triangles come from memory in time if they are asked for so many ahead.
+  constexpr std::size_t ahead = 32;
   const std::uint32_t* corners = output.corners;
-  const bool streams = output.streams && output.indices_32 != nullptr;
-  std::size_t size = streams ? triangles_to_alignment(output.indices_32) : tile_facets;
-  for (std::size_t first = 0; first < count; first += size, size = tile_facets) {
-    size = std::min(size, count - first);
+  for (std::size_t first = 0; first < count; first += tile_facets) {
+    const std::size_t size = std::min(tile_facets, count - first);
     const std::uint32_t* from = ids + first;
     if (output.prefetches && first + size + ahead <= count) {
       unrolled(size, [&](std::size_t i) HWY_ATTR { hwy::Prefetch(corners + 3 * std::size_t{from[ahead + i]}); });
     }
-    if (streams && size == tile_facets) {
-      stream_tile(from, corners, output.indices_32 + 3 * first);
-    } else if (output.indices_32 != nullptr) {
-      write_triangles(from, size, corners, output.indices_32 + 3 * first);
-    }
+    if (output.indices_32 != nullptr) write_triangles(from, size, corners, output.indices_32 + 3 * first);
     if (output.indices_16 != nullptr) {
       std::uint16_t* to = output.indices_16 + 3 * first;
       for (std::size_t i = 0; i < size; ++i) {
@@ -193,7 +170,6 @@ void WriteOrder(const std::uint32_t* ids, std::size_t count, const Output& outpu
       }
     }
   }
-  if (streams) hwy::FlushStream();
   if (output.ids != nullptr && output.ids != ids) std::memcpy(output.ids, ids, count * sizeof(std::uint32_t));
 }
 
