@@ -1,5 +1,5 @@
-// Whole keys are sorted to the last of their bits: on every mesh and from every side the order is the one and only order
-// of the float32 keys. Quantised ones do not show: they invert no more pixels than whole ones.
+// Whole keys are sorted to the last of their bits: on every mesh and from every side the order is the one and only
+// order of the float32 keys. Quantised ones do not show: they invert no more pixels than whole ones.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// Quantised keys: one counting pass over steps of depth, of which there is about one for two facets. Neighbours in depth
-// that share a step come out by id.
+// Quantised keys: count how many facets lie on each step of depth, put their ids in their places, write them out. A
+// step is short enough for two facets to share it; those that do come out by id, unless they are many.
 //
 // Whole keys: three passes over a large mesh, one over a small one. Count: how many facets fall into each bucket of
 // depth. Partition: their keys and ids go there. Sort: each bucket, small enough for the cache, is put in order and
@@ -47,8 +47,8 @@ KeyRange typical_range(const KeySource& source, std::size_t begin, std::size_t e
   return {lowest, keys[samples - 1 - outliers]};
 }
 
-// Whole vectors of counts. Two facets a step: more steps do not change what is seen (tests/order/precision_test.cpp),
-// fewer begin to.
+// Whole vectors of counts. Two facets a step: more steps are not seen (tests/order/precision_test.cpp), a quarter of
+// them is.
 std::size_t step_count(std::size_t facets) {
   return std::clamp((facets / 2 + 3) / 4 * 4, least_steps, most_steps);
 }
@@ -121,8 +121,8 @@ void FacetSort::sort_bucket(const Entries& entries, std::size_t count, const Thr
   }
 }
 
-std::size_t FacetSort::sort_in_buckets(const KeySource& source, std::size_t begin, std::size_t end,
-                                            std::size_t threads, const Output& output) {
+std::size_t FacetSort::sort_in_buckets(const KeySource& source, std::size_t begin, std::size_t end, std::size_t threads,
+                                       const Output& output) {
   const std::size_t buckets = std::clamp<std::size_t>((end - begin) / facets_per_bucket, 2, most_buckets);
   const std::size_t parts = threads == 1 ? 1 : threads * parts_per_thread;
   const KeyRange range = typical_range(source, begin, end);
@@ -200,8 +200,9 @@ void FacetSort::sort_crowded(const KeySource& source, std::size_t begin, std::sp
     output.ids = entries.ids;
     sort_bucket(entries, step.count, scratch, output);
   };
+  constexpr std::size_t few = 16;  // the first and the last at least, which have next to nothing on them
   std::atomic<std::size_t> next{0};
-  for_threads(std::min(threads, crowded.size()), [&](std::size_t k) {
+  for_threads(crowded.size() <= few ? 1 : threads, [&](std::size_t k) {
     for (std::size_t step; (step = next.fetch_add(1, std::memory_order_relaxed)) < crowded.size();) {
       if (!is_large(crowded[step].count)) sort_one(crowded[step], scratch_of(thread + k));
     }
@@ -244,8 +245,8 @@ std::size_t FacetSort::sort_in_steps(const KeySource& source, std::size_t begin,
 
   // Place.
   for_parts([&](std::size_t part, std::size_t first, std::size_t at, std::uint32_t* of_part) {
-    place_ids(facet_steps + at, kept[part], source.culls() ? kept_ids + at : nullptr,
-              static_cast<std::uint32_t>(first), of_part, order);
+    place_ids(facet_steps + at, kept[part], source.culls() ? kept_ids + at : nullptr, static_cast<std::uint32_t>(first),
+              of_part, order);
   });
   const std::uint32_t* step_ends = counts + (parts - 1) * steps;
   Step* crowded = crowded_.data() + begin / crowded_share;
@@ -261,8 +262,8 @@ std::size_t FacetSort::sort_in_steps(const KeySource& source, std::size_t begin,
   return total;
 }
 
-std::size_t FacetSort::sort(const KeySource& source, std::size_t begin, std::size_t end, Keys keys,
-                            std::size_t threads, std::size_t thread, const Output& output) {
+std::size_t FacetSort::sort(const KeySource& source, std::size_t begin, std::size_t end, Keys keys, std::size_t threads,
+                            std::size_t thread, const Output& output) {
   if (keys == Keys::quantised && end - begin >= least_quantised) {
     return sort_in_steps(source, begin, end, threads, thread, output);
   }

@@ -87,7 +87,7 @@ class FacetSort {
   Scratch<float> keys_;
   Scratch<std::uint32_t> ids_;
   Scratch<std::byte> sorted_;
-  Scratch<std::uint16_t> bins_;     // and counts of steps
+  Scratch<std::uint16_t> bins_;    // and counts of steps
   Scratch<std::uint32_t> counts_;  // of each part and bucket, and then where they go
   Scratch<std::uint32_t> begins_;  // of buckets
   Scratch<Step> crowded_;

@@ -1,10 +1,5 @@
-// Three passes over a large mesh, one over a small one. Count: how many facets fall into each bucket of depth.
-// Partition: their keys and ids go there. Sort: each bucket, small enough for the cache, is put in order and written
-// out. A mesh that fits the cache is one bucket.
+// What does not depend on the view is computed once; of a view, the form of its keys. Sorting is FacetSort's.
 #include "facetsort/order/sorter.h"
-
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <array>

@@ -35,14 +35,13 @@ enum class Direction { back_to_front, front_to_back };
 
 // How finely depths are told apart.
 enum class Precision {
-  // Depth is cut into at most 65,536 steps, one for two facets or more; facets on one step come out by smaller id. Steps
-  // with more than their share of the facets, and facets far away from all others, are sorted by whole keys, so that no
-  // facet is more than 48 places, or 16 + 1/4096 of the facets, from where its whole key would put it. Less than half as
-  // much work as whole keys; the pictures are as right (tests/order/precision_test.cpp). Below 1,024 facets keys are
-  // whole.
+  // Depth is cut into steps, one for two facets and at most 65,536, over the depths where nearly all facets lie; facets
+  // on one step come out by smaller id. Facets beyond those depths, and on steps with more than their share, are sorted
+  // by whole keys: no facet is more than 48 places, or 16 and 1/4096 of the facets, from where its whole key would put
+  // it. Half the work of whole keys and less. Below 1,024 facets keys are whole.
   quantised,
-  // Float32 keys, compared to the last bit: for layers nearer to each other than 1/65,536 of the mesh's depth, and for
-  // orders that are to be compared with others.
+  // Float32 keys, compared to the last bit: for layers nearer to each other than 1/65,536 of the depth that they lie in,
+  // and for orders that are compared with others.
   whole,
 };
 
@@ -64,10 +63,9 @@ struct FacetRange {
 
 // Sorts one mesh for many views. Construction computes what does not depend on the view; the sorting functions allocate
 // nothing after the first call of each, in an arena of no more threads. Facets with equal keys come out by smaller id
-// first, in both directions. Keys are taken relative to the mesh's
-// centre, so a mesh far from the origin, or an eye far from the mesh, costs no digits; nor does an eye near facets that
-// are small against the mesh. The order depends on neither thread count nor instruction set. Mirroring mesh and eye, or
-// scaling both by a power of two, changes no key comparison.
+// first, in both directions. Keys are taken relative to the mesh's centre, so a mesh far from the origin, or an eye far
+// from the mesh, costs no digits; nor does an eye near facets that are small against the mesh. The order depends on
+// neither thread count nor instruction set. Mirroring mesh and eye, or scaling both by a power of two, changes nothing.
 //
 // Meshes whose facets lie in spatial order (spatial_order()) sort fastest. Large meshes are sorted in parallel in the
 // caller's task arena. A Sorter serves one thread at a time; different Sorters may be used at once. It keeps no

@@ -2,9 +2,9 @@
 // set.
 //
 // Depth is cut into steps of one length. How many facets lie on each is counted, which says where each step begins in
-// the order, and their ids go there in one pass over the mesh; a last pass over the order writes what is asked for. In a
-// mesh in spatial order the steps of neighbours are near each other, so that counters and places of ids are in the cache
-// whatever the mesh's size.
+// the order, and their ids go there in one pass over the mesh; a last pass over the order writes what is asked for. In
+// a mesh in spatial order the steps of neighbours are near each other, so that counters and places of ids are in the
+// cache whatever the mesh's size.
 HWY_BEFORE_NAMESPACE();
 namespace facetsort::order_internal::HWY_NAMESPACE {
 
@@ -118,7 +118,8 @@ void PlaceIds(const std::uint16_t* steps, std::size_t count, const std::uint32_t
     const auto in_a_row = [first_id](std::size_t i) HWY_ATTR { return first_id + static_cast<std::uint32_t>(i); };
     place_ids(steps, count, in_a_row, cursors, order);
   } else {
-    place_ids(steps, count, [ids](std::size_t i) HWY_ATTR { return ids[i]; }, cursors, order);
+    place_ids(
+        steps, count, [ids](std::size_t i) HWY_ATTR { return ids[i]; }, cursors, order);
   }
 }
 
