@@ -115,9 +115,8 @@ std::uint32_t sum_steps(std::uint32_t* counts, std::size_t parts, std::size_t st
   return HWY_DYNAMIC_DISPATCH(SumSteps)(counts, parts, steps);
 }
 
-void place_ids(const std::uint16_t* steps, std::size_t count, const std::uint32_t* ids, std::uint32_t first_id,
-               std::uint32_t* cursors, std::uint32_t* order) {
-  HWY_DYNAMIC_DISPATCH(PlaceIds)(steps, count, ids, first_id, cursors, order);
+void place_ids(const StepIds& from, std::uint32_t* cursors, std::uint32_t* order) {
+  HWY_DYNAMIC_DISPATCH(PlaceIds)(from, cursors, order);
 }
 
 void write_order(const std::uint32_t* ids, std::size_t count, const Output& output) {

@@ -128,8 +128,15 @@ std::size_t count_steps(const KeySource& source, const BucketMap& map, std::size
 // Counts of several parts of a mesh, one part after the other, become the places in the order at which the facets of a
 // part and step begin. Gives the largest number of facets on a step. Precondition: `steps` is a multiple of four.
 std::uint32_t sum_steps(std::uint32_t* counts, std::size_t parts, std::size_t steps);
-// Appends the ids of a part to their steps, at cursors[s]: `ids`, or, where that is null, those from first_id on.
-void place_ids(const std::uint16_t* steps, std::size_t count, const std::uint32_t* ids, std::uint32_t first_id,
-               std::uint32_t* cursors, std::uint32_t* order);
+// The steps of a part's facets, and their ids.
+struct StepIds {
+  const std::uint16_t* steps;
+  std::size_t count;
+  const std::uint32_t* ids;  // null: in a row, from first_id on
+  std::uint32_t first_id;
+  bool prefetches;  // places in the order, where it is too large for the cache
+};
+// Appends ids to their steps, at cursors[s].
+void place_ids(const StepIds& from, std::uint32_t* cursors, std::uint32_t* order);
 
 }  // namespace facetsort::order_internal

@@ -96,10 +96,10 @@ std::uint32_t SumSteps(std::uint32_t* counts, std::size_t parts, std::size_t ste
 }
 
 template <typename IdAt>
-HWY_INLINE void place_ids(const std::uint16_t* steps, std::size_t count, const IdAt& id_at, std::uint32_t* cursors,
-                          std::uint32_t* order) {
+HWY_INLINE void place_ids(const StepIds& from, const IdAt& id_at, std::uint32_t* cursors, std::uint32_t* order) {
+  const std::uint16_t* steps = from.steps;
   std::size_t i = 0;
-  for (; i + 4 <= count; i += 4) {
+  const auto place_four = [&] HWY_ATTR {
     const std::uint64_t four = four_steps(steps + i);
     std::uint32_t places[4];
     for (int k = 0; k < 4; ++k) {
@@ -108,18 +108,29 @@ HWY_INLINE void place_ids(const std::uint16_t* steps, std::size_t count, const I
       cursor = places[k] + 1;
     }
     for (int k = 0; k < 4; ++k) order[places[k]] = id_at(i + k);
+  };
+  if (from.prefetches) {
+    // Places come from memory in time if they are asked for so many ahead.
+    constexpr std::size_t ahead = 32;
+    for (; i + ahead + 4 <= from.count; i += 4) {
+      const std::uint64_t four = four_steps(steps + i + ahead);
+      for (int k = 0; k < 4; ++k) hwy::Prefetch(order + cursors[step_of_four(four, k)]);
+      place_four();
+    }
   }
-  for (; i < count; ++i) order[cursors[steps[i]]++] = id_at(i);
+  for (; i + 4 <= from.count; i += 4) place_four();
+  for (; i < from.count; ++i) order[cursors[steps[i]]++] = id_at(i);
 }
 
-void PlaceIds(const std::uint16_t* steps, std::size_t count, const std::uint32_t* ids, std::uint32_t first_id,
-              std::uint32_t* cursors, std::uint32_t* order) {
-  if (ids == nullptr) {
+void PlaceIds(const StepIds& from, std::uint32_t* cursors, std::uint32_t* order) {
+  if (from.ids == nullptr) {
+    const std::uint32_t first_id = from.first_id;
     const auto in_a_row = [first_id](std::size_t i) HWY_ATTR { return first_id + static_cast<std::uint32_t>(i); };
-    place_ids(steps, count, in_a_row, cursors, order);
+    place_ids(from, in_a_row, cursors, order);
   } else {
+    const std::uint32_t* ids = from.ids;
     place_ids(
-        steps, count, [ids](std::size_t i) HWY_ATTR { return ids[i]; }, cursors, order);
+        from, [ids](std::size_t i) HWY_ATTR { return ids[i]; }, cursors, order);
   }
 }
 
