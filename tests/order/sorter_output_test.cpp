@@ -133,9 +133,13 @@ void expect_index_buffer(const Mesh& mesh, std::span<const Index> indices, std::
 
 TEST(SorterOutput, WritesIndicesAndIdsAndNothingBehindThem) {
   const Mesh small = shapes::torus_knot(20000), large = shapes::torus_knot(120000), huge = shapes::torus_knot(400000);
-  for (const auto& [mesh, precision] : {std::pair(&small, Precision::quantised), std::pair(&small, Precision::whole),
-                                        std::pair(&large, Precision::quantised), std::pair(&large, Precision::whole),
-                                        std::pair(&huge, Precision::quantised)}) {
+  const std::pair<const Mesh*, Precision> cases[] = {{&small, Precision::quantised},
+                                                     {&small, Precision::whole},
+                                                     {&large, Precision::quantised},
+                                                     {&large, Precision::whole},
+                                                     {&huge, Precision::quantised}};
+  for (const auto& [of_case, precision] : cases) {
+    const Mesh* mesh = of_case;  // clang 14 lets no lambda take a binding
     Sorter sorter(mesh->view(), {.precision = precision, .cull_back_faces = true});
     const SortView view = views_of(*mesh)[0];
     const Ids order = copy(sorter.sort(view));
