@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
-"""bench/plot_sort.py RESULTS.json OUT: a table OUT.md and a plot OUT.png (by gnuplot) of facets a second.
+"""bench/plot_sort.py RESULTS.json... OUT: a table OUT.md and a plot OUT.png (by gnuplot) of facets a second.
 
-RESULTS.json is --benchmark_out of facetsort-bench; medians are taken where there are repetitions."""
+The first RESULTS.json is --benchmark_out of facetsort-bench; another may be what bench/peers/babylon.js writes. Medians
+are taken where there are repetitions."""
 import json
 import re
 import subprocess
@@ -12,20 +13,24 @@ CONTENDERS = [
     ("facetsort, 2 threads", r"sort_indices/centroid_distance/(?P<mesh>\w+)/threads:2"),
     ("floor, 1 thread", r"floor/(?P<mesh>\w+)/threads:1"),
     ("facetsort, 1 thread", r"sort_indices/centroid_distance/(?P<mesh>\w+)/threads:1"),
+    ("whole keys, 1 thread", r"sort_indices_whole_keys/centroid_distance/(?P<mesh>\w+)/threads:1"),
     ("facetsort culled, 1 thread", r"sort_indices_culled/centroid_distance/(?P<mesh>\w+)/threads:1"),
     ("radix sort of 30 lines", r"peer_radix_sort/(?P<mesh>\w+)"),
     ("VQSort of pairs", r"peer_vqsort/(?P<mesh>\w+)"),
     ("std::sort of pairs", r"peer_std_sort/(?P<mesh>\w+)"),
     ("vtkDepthSortPolyData", r"vtk_depth_sort/(?P<mesh>\w+)"),
+    ("Babylon.js", r"peer_babylon/(?P<mesh>\w+)"),
 ]
 
 
-def read(path):
-    """Facets a second by contender and mesh, and the run's context."""
-    with open(path) as file:
-        results = json.load(file)
+def read(paths):
+    """Facets a second by contender and mesh, and the first run's context."""
+    results = []
+    for path in paths:
+        with open(path) as file:
+            results.append(json.load(file))
     speeds = {name: {} for name, _ in CONTENDERS}
-    for run in results["benchmarks"]:
+    for run in [run for result in results for run in result["benchmarks"]]:
         if run.get("error_occurred"):
             sys.exit(f"{run['name']}: {run['error_message']}")
         if run.get("aggregate_name", "median") != "median":
@@ -36,7 +41,7 @@ def read(path):
             match = re.fullmatch(pattern + "/real_time", run["run_name"])
             if match:
                 speeds[name][match["mesh"]] = run["items_per_second"]
-    return speeds, results["context"]
+    return speeds, results[0]["context"]
 
 
 def table(speeds, context):
@@ -64,12 +69,13 @@ def plot(speeds, out):
 
 
 def main():
-    if len(sys.argv) != 3:
+    if len(sys.argv) < 3:
         sys.exit(__doc__)
-    speeds, context = read(sys.argv[1])
-    with open(sys.argv[2] + ".md", "w") as file:
+    *paths, out = sys.argv[1:]
+    speeds, context = read(paths)
+    with open(out + ".md", "w") as file:
         file.write(table(speeds, context))
-    plot(speeds, sys.argv[2] + ".png")
+    plot(speeds, out + ".png")
 
 
 if __name__ == "__main__":

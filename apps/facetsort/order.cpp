@@ -68,9 +68,10 @@ Timing time_sorts(AnySorter& sorter, const SortView& eye) {
 
 void order_by_key(const OrderOptions& options, const CommonOptions& common, const InputMesh& input,
                   const SortView& eye) {
+  const SorterOptions by_whole_keys{.method = options.method, .precision = Precision::whole};
   std::optional<Sorter> sorter;
   OrderCost cost;
-  cost.prepare = time_median([&] { sorter.emplace(input.mesh.view(), options.method); }, 1);
+  cost.prepare = time_median([&] { sorter.emplace(input.mesh.view(), by_whole_keys); }, 1);
   cost.sort = time_sorts(*sorter, eye);
   const std::span<const std::uint32_t> order = sorter->sort(eye);
   write_order(options.output, input.mesh, order);

@@ -1,14 +1,16 @@
 // Babylon.js's own facet depth sort (mustDepthSortFacets), timed without a graphics card, beside facetsort's sort of
 // the same facets from the same eyes in the same run: medians in a table, millions of facets a second.
 //
-//   npm ci && node babylon.js FACETSORT_BENCH MESH.ply...
+//   npm ci && node babylon.js FACETSORT_BENCH MESH.ply... [--json OUT.json]
 //
+// OUT.json gets Babylon.js's medians in the form of Google Benchmark, for bench/plot_sort.py.
 // FACETSORT_BENCH is the built benchmark program; a mesh it knows is called like its file, and only bunny_70k and
 // dragon_871k are in its sort benchmarks. Exits with 1 where an order is wrong.
 import { execFileSync } from 'node:child_process';
-import { readFileSync } from 'node:fs';
+import { readFileSync, writeFileSync } from 'node:fs';
 import path from 'node:path';
 import { performance } from 'node:perf_hooks';
+import { parseArgs } from 'node:util';
 
 import { NullEngine } from '@babylonjs/core/Engines/nullEngine.js';
 import { Vector3 } from '@babylonjs/core/Maths/math.vector.js';
@@ -138,19 +140,28 @@ function timeFacetsort(program, file) {
     });
 }
 
-const [program, ...files] = process.argv.slice(2);
+const { values, positionals } = parseArgs({ options: { json: { type: 'string' } }, allowPositionals: true });
+const [program, ...files] = positionals;
 if (files.length === 0) {
-  console.error('usage: node babylon.js FACETSORT_BENCH MESH.ply...');
+  console.error('usage: node babylon.js FACETSORT_BENCH MESH.ply... [--json OUT.json]');
   process.exit(2);
 }
 Logger.LogLevels = Logger.ErrorLogLevel;  // else each engine greets on standard output
 console.log('| mesh | contender | M facets/s | times Babylon.js |\n|---|---|---|---|');
+const benchmarks = [];
 for (const file of files) {
   const mesh = readMesh(file);
   const babylon = timeBabylon(mesh, eyesAround(mesh));
+  benchmarks.push({
+    run_name: `peer_babylon/${path.basename(file, '.ply')}/real_time`,
+    run_type: 'aggregate',
+    aggregate_name: 'median',
+    items_per_second: babylon * 1e6,
+  });
   for (const { name, speed } of [{ name: 'Babylon.js', speed: babylon }, ...timeFacetsort(program, file)]) {
     console.log(
       `| ${path.basename(file, '.ply')} | ${name} | ${speed.toPrecision(3)} | ${(speed / babylon).toPrecision(3)} |`,
     );
   }
 }
+if (values.json) writeFileSync(values.json, JSON.stringify({ benchmarks }));

@@ -12,6 +12,7 @@
 #include "facetsort/order/sorter.h"
 #include "facetsort/order/spatial_order.h"
 #include "facetsort/report/allocations.h"
+#include "order/uneven_meshes.h"
 #include "shapes.h"
 #include "support/mesh_files.h"
 #include "support/threads.h"
@@ -53,61 +54,13 @@ Ids copy(std::span<const std::uint32_t> ids) {
   return {ids.begin(), ids.end()};
 }
 
-// Facets in places drawn from `places`, one key each along the z axis.
-template <typename Place>
-Mesh facets_at(std::size_t count, const Place& place) {
-  Mesh mesh;
-  for (std::size_t facet = 0; facet < count; ++facet) {
-    const float z = place(facet);
-    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
-    mesh.positions.insert(mesh.positions.end(), {{0, 0, z}, {1, 0, z}, {0, 1, z}});
-    mesh.triangles.push_back({first, first + 1, first + 2});
-  }
-  return mesh;
-}
-
-struct NamedMesh {
-  std::string name;
-  Mesh mesh;
-};
-
-// On either side of every threshold of the sort, evenly and unevenly spread in depth.
-const std::vector<NamedMesh>& uneven_meshes() {
-  static const std::vector<NamedMesh> list = [] {
-    std::mt19937 random(5);
-    std::uniform_real_distribution<float> even(-1, 1);
-    std::vector<NamedMesh> made;
-    for (const std::size_t count : {1, 2, 63, 64, 65, 200, 32768, 32769, 65535, 65536, 100000}) {
-      made.push_back({"even_" + std::to_string(count), facets_at(count, [&](std::size_t) { return even(random); })});
-    }
-    for (const std::size_t count : {3000, 100000}) {
-      const std::string size = std::to_string(count);
-      made.push_back({"flat_" + size, facets_at(count, [](std::size_t) { return 0.5f; })});
-      made.push_back({"two_depths_" + size, facets_at(count, [](std::size_t i) { return i % 3 == 0 ? 1.0f : -1.0f; })});
-      made.push_back(
-          {"outlier_" + size, facets_at(count, [&](std::size_t i) { return i == 7 ? 1e6f : even(random); })});
-      made.push_back({"steps_" + size, facets_at(count, [](std::size_t i) { return static_cast<float>(i % 50); })});
-      // Each a thousandth as far from 0 as the last thousand: every range has nearly all of them at its end.
-      made.push_back({"many_scales_" + size, facets_at(count, [&](std::size_t i) {
-                        return even(random) * std::pow(10.0f, -static_cast<float>(3 * (i % 12)));
-                      })});
-      made.push_back({"denormal_" + size, facets_at(count, [&](std::size_t i) {
-                        return i == 0 ? 1.0f : static_cast<float>(random() % 100) * 1e-44f;
-                      })});
-      made.push_back({"sorted_" + size, facets_at(count, [&](std::size_t i) { return static_cast<float>(i); })});
-      made.push_back({"reversed_" + size, facets_at(count, [&](std::size_t i) { return -static_cast<float>(i); })});
-    }
-    made.push_back({"knot_300000", shapes::torus_knot(300000)});
-    return made;
-  }();
-  return list;
-}
-
 TEST(SorterOutput, IsTheOrderOfAComparisonSortHoweverDepthsAreSpread) {
   for (const auto& [name, mesh] : uneven_meshes()) {
     SCOPED_TRACE(name);
     for (const Direction direction : {Direction::back_to_front, Direction::front_to_back}) {
-      Sorter sorter(mesh.view(), {.method = Method::centroid_depth, .direction = direction});
+      Sorter sorter(mesh.view(), {.method = Method::centroid_depth,
+                                  .direction = direction,
+                                  .precision = Precision::whole});
       for (const glm::vec3 axis : {glm::vec3(0, 0, 1), glm::vec3(0.1f, 0.2f, -0.9f)}) {
         const Ids order = copy(sorter.sort({glm::vec4(axis, 0), -axis}));
         ASSERT_EQ(order, expected_order(sorter, all_ids(mesh), direction));
@@ -121,24 +74,35 @@ std::uint64_t hash(std::uint64_t hash, std::span<const std::uint32_t> ids) {
   return hash;
 }
 
+// Of facets that face the eye and lie in its view, nearest first.
+Ids culled_indices(const Mesh& mesh, Precision precision) {
+  Sorter sorter(mesh.view(), {.direction = Direction::front_to_back,
+                              .precision = precision,
+                              .cull_back_faces = true,
+                              .cull_by_clip_planes = true});
+  SortView view = views_of(mesh)[1];
+  const glm::vec3 eye(view.eye);
+  const std::array planes = clip_planes_of(glm::perspective(0.7f, 1.0f, 0.01f, 100.0f) *
+                                           glm::lookAt(eye, eye + view.forward, glm::vec3(0, 1, 0)));
+  view.clip_planes = planes;
+  Ids indices(3 * mesh.triangles.size());
+  indices.resize(3 * sorter.sort_indices(view, mesh.triangles, std::span(indices)));
+  return indices;
+}
+
 // Every method, and every way out, over meshes that take every way through.
 std::uint64_t hash_of_everything() {
   std::uint64_t sum = 0;
   for (const Mesh& mesh : {shapes::torus_knot(20000), shapes::torus_knot(200000), shapes::soup(70000, 3)}) {
-    Ids indices(3 * mesh.triangles.size());
-    for (const Method method : depth_key_methods()) {
-      Sorter sorter(mesh.view(), {.method = method, .cull_back_faces = method == Method::bounds_centre});
-      for (const SortView& view : views_of(mesh)) sum = hash(sum, sorter.sort(view));
+    for (const Precision precision : {Precision::quantised, Precision::whole}) {
+      for (const Method method : depth_key_methods()) {
+        Sorter sorter(mesh.view(), {.method = method,
+                                    .precision = precision,
+                                    .cull_back_faces = method == Method::bounds_centre});
+        for (const SortView& view : views_of(mesh)) sum = hash(sum, sorter.sort(view));
+      }
+      sum = hash(sum, culled_indices(mesh, precision));
     }
-    Sorter culling(mesh.view(),
-                   {.direction = Direction::front_to_back, .cull_back_faces = true, .cull_by_clip_planes = true});
-    SortView view = views_of(mesh)[1];
-    const glm::vec3 eye(view.eye);
-    const std::array planes = clip_planes_of(glm::perspective(0.7f, 1.0f, 0.01f, 100.0f) *
-                                             glm::lookAt(eye, eye + view.forward, glm::vec3(0, 1, 0)));
-    view.clip_planes = planes;
-    const std::size_t count = culling.sort_indices(view, mesh.triangles, std::span(indices));
-    sum = hash(sum, std::span(indices).first(3 * count));
   }
   return sum;
 }
@@ -168,16 +132,23 @@ void expect_index_buffer(const Mesh& mesh, std::span<const Index> indices, std::
 }
 
 TEST(SorterOutput, WritesIndicesAndIdsAndNothingBehindThem) {
-  for (const Mesh& mesh : {shapes::torus_knot(20000), shapes::torus_knot(120000)}) {
-    Sorter sorter(mesh.view(), {.cull_back_faces = true});
-    const SortView view = views_of(mesh)[0];
+  const Mesh small = shapes::torus_knot(20000), large = shapes::torus_knot(120000), huge = shapes::torus_knot(400000);
+  const std::pair<const Mesh*, Precision> cases[] = {{&small, Precision::quantised},
+                                                     {&small, Precision::whole},
+                                                     {&large, Precision::quantised},
+                                                     {&large, Precision::whole},
+                                                     {&huge, Precision::quantised}};
+  for (const auto& [of_case, precision] : cases) {
+    const Mesh* mesh = of_case;  // clang 14 lets no lambda take a binding
+    Sorter sorter(mesh->view(), {.precision = precision, .cull_back_faces = true});
+    const SortView view = views_of(*mesh)[0];
     const Ids order = copy(sorter.sort(view));
-    ASSERT_LT(order.size(), mesh.triangles.size());
+    ASSERT_LT(order.size(), mesh->triangles.size());
     const auto expect = [&]<typename Index>(Index untouched) {
-      std::vector<Index> indices(3 * mesh.triangles.size(), untouched);
-      Ids ids(mesh.triangles.size(), 0xabababab);
-      ASSERT_EQ(sorter.sort_indices(view, mesh.triangles, std::span(indices), ids), order.size());
-      expect_index_buffer<Index>(mesh, indices, order);
+      std::vector<Index> indices(3 * mesh->triangles.size(), untouched);
+      Ids ids(mesh->triangles.size(), 0xabababab);
+      ASSERT_EQ(sorter.sort_indices(view, mesh->triangles, std::span(indices), ids), order.size());
+      expect_index_buffer<Index>(*mesh, indices, order);
       EXPECT_TRUE(std::equal(order.begin(), order.end(), ids.begin()));
       EXPECT_TRUE(std::all_of(indices.begin() + static_cast<std::ptrdiff_t>(3 * order.size()), indices.end(),
                               [&](Index index) { return index == untouched; }));
@@ -185,13 +156,14 @@ TEST(SorterOutput, WritesIndicesAndIdsAndNothingBehindThem) {
                               [](std::uint32_t id) { return id == 0xabababab; }));
     };
     expect(std::uint32_t{0xcdcdcdcd});
-    if (mesh.positions.size() < 65536) expect(std::uint16_t{0xcdcd});
+    if (mesh->positions.size() < 65536) expect(std::uint16_t{0xcdcd});
   }
 }
 
 TEST(SorterOutput, FrontToBackIsTheOtherWayRoundButForTies) {
   const Mesh mesh = load("hand_2k");
-  Sorter back(mesh.view()), front(mesh.view(), {.direction = Direction::front_to_back});
+  Sorter back(mesh.view(), {.precision = Precision::whole}),
+      front(mesh.view(), {.direction = Direction::front_to_back, .precision = Precision::whole});
   for (const SortView& view : views_of(mesh)) {
     const Ids far_first = copy(back.sort(view)), near_first = copy(front.sort(view));
     EXPECT_EQ(near_first, expected_order(back, all_ids(mesh), Direction::front_to_back));
@@ -207,7 +179,7 @@ TEST(SorterOutput, RangesAreSortedByThemselvesWhereTheyLie) {
   for (std::uint32_t first = 70003; first + 100 < count; first += 100) ranges.push_back({first, 97});
   ranges.push_back({count, 0});
   for (const bool culled : {false, true}) {
-    Sorter sorter(mesh.view(), {.cull_back_faces = culled});
+    Sorter sorter(mesh.view(), {.precision = Precision::whole, .cull_back_faces = culled});
     const SortView view = views_of(mesh)[0];
     const Ids order = copy(sorter.sort(view));
     for (const int threads : {1, 3}) {
@@ -244,7 +216,10 @@ INSTANTIATE_TEST_SUITE_P(SorterOutput, CullingMethod,
 
 TEST_P(CullingMethod, LeavesOutWhatIsSeenFromBehindAndNothingElse) {
   for (const Mesh& mesh : {load("hand_2k"), shapes::torus_knot(80000), shapes::sliver_fan(64, 1e5f)}) {
-    Sorter whole(mesh.view(), GetParam()), culling(mesh.view(), {.method = GetParam(), .cull_back_faces = true});
+    SorterOptions options{.method = GetParam(), .precision = Precision::whole};
+    Sorter whole(mesh.view(), options);
+    options.cull_back_faces = true;
+    Sorter culling(mesh.view(), options);
     for (const SortView& view : views_of(mesh)) {
       const Ids order = copy(whole.sort(view)), culled = copy(culling.sort(view));
       std::vector<bool> kept(order.size(), false);
@@ -265,7 +240,8 @@ TEST_P(CullingMethod, LeavesOutWhatIsSeenFromBehindAndNothingElse) {
 
 TEST(SorterOutput, ClipPlanesLeaveOutOnlyWhatLiesOutside) {
   const Mesh mesh = shapes::torus_knot(100000);
-  Sorter whole(mesh.view()), clipping(mesh.view(), {.cull_by_clip_planes = true});
+  Sorter whole(mesh.view(), {.precision = Precision::whole}),
+      clipping(mesh.view(), {.precision = Precision::whole, .cull_by_clip_planes = true});
   for (SortView view : views_of(mesh)) {
     if (view.eye.w == 0) continue;
     const glm::vec3 eye(view.eye);
@@ -359,8 +335,8 @@ TEST(SorterOutput, AllocatesNothingAfterTheFirstCallOfEach) {
   const Mesh mesh = shapes::torus_knot(150000);
   const std::vector<FacetRange> ranges{{0, 50000}, {50000, 1000}, {51000, 90000}};
   Ids indices(3 * mesh.triangles.size()), ids(mesh.triangles.size()), counts(ranges.size());
-  with_threads(1, [&] {
-    Sorter sorter(mesh.view(), {.cull_back_faces = true});
+  const auto expect_none = [&](Precision precision) {
+    Sorter sorter(mesh.view(), {.precision = precision, .cull_back_faces = true});
     const auto use = [&](const SortView& view) {
       sorter.sort(view);
       sorter.sort_indices(view, mesh.triangles, std::span(indices), ids);
@@ -371,7 +347,10 @@ TEST(SorterOutput, AllocatesNothingAfterTheFirstCallOfEach) {
     const AllocationScope scope;
     for (const SortView& view : views) use(view);
     EXPECT_EQ(scope.count().calls, 0u);
-  });
+  };
+  for (const Precision precision : {Precision::quantised, Precision::whole}) {
+    with_threads(1, [&] { expect_none(precision); });
+  }
 }
 
 TEST(SorterOutput, HoldsAtMost40BytesAFacet) {
@@ -379,11 +358,13 @@ TEST(SorterOutput, HoldsAtMost40BytesAFacet) {
     const Mesh mesh = shapes::torus_knot(facets);
     for (const int threads : {1, 8}) {
       with_threads(threads, [&] {
-        Sorter sorter(mesh.view(), {.cull_back_faces = true, .cull_by_clip_planes = true});
-        Ids indices(3 * mesh.triangles.size());
-        sorter.sort_indices(views_of(mesh)[0], mesh.triangles, std::span(indices));
-        sorter.sort(views_of(mesh)[0]);
-        EXPECT_LE(sorter.memory_bytes(), 40 * mesh.triangles.size());
+        for (const Precision precision : {Precision::quantised, Precision::whole}) {
+          Sorter sorter(mesh.view(), {.precision = precision, .cull_back_faces = true, .cull_by_clip_planes = true});
+          Ids indices(3 * mesh.triangles.size());
+          sorter.sort_indices(views_of(mesh)[0], mesh.triangles, std::span(indices));
+          sorter.sort(views_of(mesh)[0]);
+          EXPECT_LE(sorter.memory_bytes(), 40 * mesh.triangles.size());
+        }
       });
     }
   }

@@ -8,6 +8,7 @@
 #include <glm/gtc/matrix_transform.hpp>
 #include <numeric>
 #include <random>
+#include <tuple>
 
 #include "facetsort/report/allocations.h"
 #include "shapes.h"
@@ -57,6 +58,8 @@ std::vector<SortView> views_of(const Mesh& mesh) {
   }
   return views;
 }
+
+SorterOptions whole_keys(Method method) { return {.method = method, .precision = Precision::whole}; }
 
 FacetFrame frame_of(const Mesh& mesh) { return facet_frame(facet_bounds(mesh.view())); }
 
@@ -130,7 +133,7 @@ INSTANTIATE_TEST_SUITE_P(Sorter, EveryMethod, testing::ValuesIn(depth_key_method
 TEST_P(EveryMethod, GivesAPermutationBackToFrontByItsKey) {
   for (const auto& [name, mesh] : meshes()) {
     SCOPED_TRACE(name);
-    Sorter sorter(mesh.view(), GetParam());
+    Sorter sorter(mesh.view(), whole_keys(GetParam()));
     for (const SortView& view : views_of(mesh)) {
       const auto order = sorter.sort(view);
       expect_permutation(order, mesh.triangles.size());
@@ -143,14 +146,24 @@ TEST_P(EveryMethod, GivesAPermutationBackToFrontByItsKey) {
   }
 }
 
-TEST_P(EveryMethod, MirroringMeshAndEyeChangesNothing) {
+class EveryMethodAndPrecision : public testing::TestWithParam<std::tuple<Method, Precision>> {};
+INSTANTIATE_TEST_SUITE_P(Sorter, EveryMethodAndPrecision,
+                         testing::Combine(testing::ValuesIn(depth_key_methods().begin(), depth_key_methods().end()),
+                                          testing::Values(Precision::quantised, Precision::whole)),
+                         [](const auto& both) {
+                           return std::string(method_name(std::get<Method>(both.param))) +
+                                  (std::get<Precision>(both.param) == Precision::whole ? "_whole" : "_quantised");
+                         });
+
+TEST_P(EveryMethodAndPrecision, MirroringMeshAndEyeChangesNothing) {
+  const auto [method, precision] = GetParam();
   for (const auto& [name, mesh] : meshes()) {
     SCOPED_TRACE(name);
-    Sorter sorter(mesh.view(), GetParam());
+    Sorter sorter(mesh.view(), {.method = method, .precision = precision});
     for (const glm::vec3& mirror : {glm::vec3(-1, 1, 1), glm::vec3(1, -1, 1), glm::vec3(-1, -1, -1)}) {
       Mesh mirrored = mesh;
       for (glm::vec3& position : mirrored.positions) position *= mirror;
-      Sorter other(mirrored.view(), GetParam());
+      Sorter other(mirrored.view(), {.method = method, .precision = precision});
       for (const SortView& view : views_of(mesh)) {
         const auto order = sorter.sort(view);
         const auto same = other.sort({view.eye * glm::vec4(mirror, 1), view.forward * mirror});
@@ -160,16 +173,17 @@ TEST_P(EveryMethod, MirroringMeshAndEyeChangesNothing) {
   }
 }
 
-TEST_P(EveryMethod, ScalingByPowersOfTwoChangesNothing) {
+TEST_P(EveryMethodAndPrecision, ScalingByPowersOfTwoChangesNothing) {
+  const auto [method, precision] = GetParam();
   for (const auto& [name, mesh] : meshes()) {
     if (name == "many_scales") continue;  // its smallest facets would leave the range of floats
     SCOPED_TRACE(name);
-    Sorter sorter(mesh.view(), GetParam());
+    Sorter sorter(mesh.view(), {.method = method, .precision = precision});
     for (const int exponent : {-80, -20, 20, 80}) {
       const float scale = std::ldexp(1.0f, exponent);
       Mesh scaled = mesh;
       for (glm::vec3& position : scaled.positions) position *= scale;
-      Sorter other(scaled.view(), GetParam());
+      Sorter other(scaled.view(), {.method = method, .precision = precision});
       for (const SortView& view : views_of(mesh)) {
         const auto order = sorter.sort(view);
         const glm::vec4 eye = view.eye.w == 0 ? view.eye : glm::vec4(glm::vec3(view.eye) * scale, 1);
@@ -193,7 +207,7 @@ TEST_P(RotatingMethod, RotatingMeshAndEyeSwapsNothingBeyondTheKeysError) {
     SCOPED_TRACE(name);
     Mesh rotated = mesh;
     for (glm::vec3& position : rotated.positions) position = rotation * position;
-    Sorter other(rotated.view(), GetParam());
+    Sorter other(rotated.view(), whole_keys(GetParam()));
     for (const SortView& view : views_of(mesh)) {
       const SortView turned{glm::vec4(rotation * glm::vec3(view.eye), view.eye.w), rotation * view.forward};
       // The rotation rounds positions, and so the eye: as if each point were off by a few roundings of its distance.
@@ -212,7 +226,7 @@ TEST_P(EveryMethod, PermutingFacetsKeepsTheSequenceOfKeys) {
     SCOPED_TRACE(name);
     Mesh shuffled = mesh;
     std::shuffle(shuffled.triangles.begin(), shuffled.triangles.end(), random);
-    Sorter sorter(mesh.view(), GetParam()), other(shuffled.view(), GetParam());
+    Sorter sorter(mesh.view(), whole_keys(GetParam())), other(shuffled.view(), whole_keys(GetParam()));
     for (const SortView& view : views_of(mesh)) {
       const auto order = sorter.sort(view);
       const auto other_order = other.sort(view);
@@ -223,18 +237,24 @@ TEST_P(EveryMethod, PermutingFacetsKeepsTheSequenceOfKeys) {
   }
 }
 
-TEST_P(EveryMethod, SameOrderForAnyThreadCount) {
+TEST_P(EveryMethodAndPrecision, SameOrderForAnyThreadCount) {
+  const auto [method, precision] = GetParam();
+  const SorterOptions options{.method = method, .precision = precision};
   const Mesh mesh = shapes::torus_knot(150000);
   const SortView view = views_of(mesh)[1];
-  const std::vector<std::uint32_t> order = sort_facets(mesh.view(), view, GetParam());
-  for (const int threads : {1, 2, 3, 8}) {
-    with_threads(threads, [&] { EXPECT_EQ(sort_facets(mesh.view(), view, GetParam()), order) << threads << " threads"; });
-  }
+  const auto order_of = [&] {
+    Sorter sorter(mesh.view(), options);
+    const std::span<const std::uint32_t> order = sorter.sort(view);
+    return std::vector<std::uint32_t>(order.begin(), order.end());
+  };
+  const std::vector<std::uint32_t> expected = with_threads(1, order_of);
+  for (const int threads : {2, 3, 8}) EXPECT_EQ(with_threads(threads, order_of), expected) << threads << " threads";
 }
 
-TEST_P(EveryMethod, AllocatesNothingAfterTheFirstSort) {
-  const Mesh& mesh = meshes().front().mesh;
-  Sorter sorter(mesh.view(), GetParam());
+TEST_P(EveryMethodAndPrecision, AllocatesNothingAfterTheFirstSort) {
+  const auto [method, precision] = GetParam();
+  const Mesh mesh = load("hand_2k");
+  Sorter sorter(mesh.view(), {.method = method, .precision = precision});
   const std::vector<SortView> views = views_of(mesh);
   std::vector<std::uint32_t> indices(3 * mesh.triangles.size());
   sorter.sort_indices(views[0], mesh.triangles, std::span(indices));
@@ -246,9 +266,10 @@ TEST_P(EveryMethod, AllocatesNothingAfterTheFirstSort) {
   EXPECT_EQ(scope.count().calls, 0u);
 }
 
-TEST_P(EveryMethod, IndexBuffersHoldTheCornersInTheOrder) {
-  const Mesh& mesh = meshes().front().mesh;
-  Sorter sorter(mesh.view(), GetParam());
+TEST_P(EveryMethodAndPrecision, IndexBuffersHoldTheCornersInTheOrder) {
+  const auto [method, precision] = GetParam();
+  const Mesh mesh = load("hand_2k");
+  Sorter sorter(mesh.view(), {.method = method, .precision = precision});
   const SortView view = views_of(mesh)[2];
   const auto span = sorter.sort(view);
   const std::vector<std::uint32_t> order(span.begin(), span.end());

@@ -146,7 +146,7 @@ StrategyRenderer::StrategyRenderer(const MeshView& mesh, const Strategy& strateg
   if (strategy.kind == StrategyKind::facet_sort && is_exact(strategy.method)) {
     state_->exact_sorter.emplace(mesh, ExactOptions{.from = order_from(strategy.method)});
   } else if (strategy.kind == StrategyKind::facet_sort) {
-    state_->sorter.emplace(mesh, strategy.method);
+    state_->sorter.emplace(mesh, SorterOptions{.method = strategy.method, .precision = Precision::whole});
   } else if (strategy.kind != StrategyKind::reference) {
     state_->index_order.resize(mesh.facet_count());
     std::iota(state_->index_order.begin(), state_->index_order.end(), 0u);

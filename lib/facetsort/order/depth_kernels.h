@@ -67,7 +67,7 @@ struct BucketMap {
   float scale;
   float last;  // number of buckets - 1
 };
-// Precondition: lowest < highest.
+// All in bucket 0 where there is no such range.
 BucketMap bucket_map(float lowest, float highest, std::size_t buckets);
 
 // Where an order goes. Those that are null are not written; each is written once and in order, and never read.
@@ -113,7 +113,30 @@ bool sort_entries(const Entries& from, std::size_t count, const KeyRange& range,
                   std::uint16_t* bins, const Output& output);
 // The same by comparisons, for any spread.
 void sort_uneven_entries(const Entries& from, std::size_t count, std::int64_t* sorted, const Output& output);
-// Entries in the order in which they are.
-void write_entries(const std::uint32_t* ids, std::size_t count, const Output& output);
+// Facets in the order of `ids`, which may be the output's own.
+void write_order(const std::uint32_t* ids, std::size_t count, const Output& output);
+
+// Of the facets `ids`, with the sign.
+void keys_of(const KeySource& source, const std::uint32_t* ids, std::size_t count, float* keys);
+
+// Steps of depth have 16 bits.
+constexpr std::size_t most_steps = 65536;
+// The step, by the map, of each facet of [begin, end) that is not culled, and their number; adds to counts[s] the number
+// of those on step s. Where facets are culled, `ids` gets the ids of those that are not.
+std::size_t count_steps(const KeySource& source, const BucketMap& map, std::size_t begin, std::size_t end,
+                        std::uint16_t* steps, std::uint32_t* ids, std::uint32_t* counts);
+// Counts of several parts of a mesh, one part after the other, become the places in the order at which the facets of a
+// part and step begin. Gives the largest number of facets on a step. Precondition: `steps` is a multiple of four.
+std::uint32_t sum_steps(std::uint32_t* counts, std::size_t parts, std::size_t steps);
+// The steps of a part's facets, and their ids.
+struct StepIds {
+  const std::uint16_t* steps;
+  std::size_t count;
+  const std::uint32_t* ids;  // null: in a row, from first_id on
+  std::uint32_t first_id;
+  bool prefetches;  // places in the order, where it is too large for the cache
+};
+// Appends ids to their steps, at cursors[s].
+void place_ids(const StepIds& from, std::uint32_t* cursors, std::uint32_t* order);
 
 }  // namespace facetsort::order_internal

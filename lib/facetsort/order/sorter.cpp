@@ -1,10 +1,5 @@
-// Three passes over a large mesh, one over a small one. Count: how many facets fall into each bucket of depth.
-// Partition: their keys and ids go there. Sort: each bucket, small enough for the cache, is put in order and written
-// out. A mesh that fits the cache is one bucket.
+// What does not depend on the view is computed once; of a view, the form of its keys. Sorting is FacetSort's.
 #include "facetsort/order/sorter.h"
-
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <array>
@@ -17,6 +12,7 @@
 
 #include "facetsort/base/parallel.h"
 #include "facetsort/order/depth_kernels.h"
+#include "facetsort/order/facet_sort.h"
 
 namespace facetsort {
 
@@ -25,16 +21,6 @@ using namespace order_internal;
 namespace {
 
 constexpr std::size_t facets_per_task = 16384;
-
-// A mesh of more facets is partitioned first, unless it is too small for two threads; then its buckets are sorted at
-// once, which are half as large as that on average, so that entries, bins and output of one share the second-level
-// cache. There are as many facets a thread at least: the threads' scratch is no more than a mesh's.
-constexpr std::size_t facets_of_thread = 32768;
-static_assert(2 * facets_of_thread - 1 <= most_sorted_entries);
-constexpr std::size_t facets_per_bucket = facets_of_thread / 2;
-constexpr std::size_t most_buckets = 1024;
-// So that a thread that is late holds up little.
-constexpr std::size_t parts_per_thread = 4;
 
 // The largest of a vector's components brought into [1, 2) by a power of two, which changes no comparison and keeps
 // products finite for an eye at 1e38.
@@ -125,94 +111,6 @@ void compute_blocks(std::span<const glm::uvec3> triangles, const StridedPosition
   });
 }
 
-// Room for a number of objects that are written before they are read; grows, and never shrinks.
-template <typename T>
-class Scratch {
- public:
-  T* get(std::size_t count) {
-    if (count > capacity_) {
-      memory_ = std::make_unique_for_overwrite<T[]>(count);
-      capacity_ = count;
-    }
-    return memory_.get();
-  }
-  T* data() const { return memory_.get(); }
-  std::size_t bytes() const { return capacity_ * sizeof(T); }
-
- private:
-  std::unique_ptr<T[]> memory_;
-  std::size_t capacity_ = 0;
-};
-
-// Calls body(0) to body(count - 1), each as a task where there are several.
-template <typename Body>
-void for_threads(std::size_t count, const Body& body) {
-  if (count == 1) return body(std::size_t{0});
-  tbb::parallel_for(std::size_t{0}, count, body, tbb::simple_partitioner());
-}
-
-// Depths between which nearly all facets lie, from a sample; few facets far away do not stretch it.
-KeyRange typical_range(const KeySource& source, std::size_t begin, std::size_t end) {
-  constexpr std::size_t places = 32, in_a_row = 8, samples = places * in_a_row, outliers = 4;
-  std::array<float, samples> keys;
-  const std::size_t step = (end - begin) / places;
-  for (std::size_t place = 0; place < places; ++place) {
-    const std::size_t first = begin + place * step;
-    compute_keys(source, first, first + in_a_row, &keys[place * in_a_row]);
-  }
-  for (float& key : keys) key *= source.sign;
-  std::nth_element(keys.begin(), keys.begin() + outliers, keys.end());
-  const float lowest = keys[outliers];
-  std::nth_element(keys.begin(), keys.end() - 1 - outliers, keys.end());
-  return {lowest, keys[samples - 1 - outliers]};
-}
-
-// Where the k-th of several equal parts of [begin, end) begins; parts begin with a block.
-std::size_t part_begin(std::size_t begin, std::size_t end, std::size_t part, std::size_t parts) {
-  const std::size_t at = begin + (end - begin) * part / parts;
-  return part == 0 || part == parts ? at : std::min(end, (at + block_facets - 1) / block_facets * block_facets);
-}
-
-// What a thread sorts in.
-struct ThreadScratch {
-  std::byte* sorted;    // room for `entries`
-  std::uint16_t* bins;  // room for theirs
-  std::size_t entries;
-};
-
-// Entries in the order of their keys, into the output. `scratch.sorted` has room for `count`, whatever that is.
-void sort_bucket(const Entries& entries, std::size_t count, const ThreadScratch& scratch, const Output& output) {
-  if (count == 0) return;
-  const KeyRange range = key_range(entries.keys, count);
-  if (range.lowest == range.highest) return write_entries(entries.ids, count, output);
-  std::int64_t* sorted = reinterpret_cast<std::int64_t*>(scratch.sorted);
-  if (count <= scratch.entries && sort_entries(entries, count, range, sorted, scratch.bins, output)) return;
-
-  // Too many, or unevenly spread: over buckets of their own, in each of which the range is narrower.
-  constexpr std::size_t buckets = 256;
-  const BucketMap map = bucket_map(range.lowest, range.highest, buckets);
-  std::array<std::uint32_t, buckets> counts{}, cursors;
-  count_buckets(entries, count, map, counts.data());
-  if (*std::max_element(counts.begin(), counts.end()) == count) {
-    return sort_uneven_entries(entries, count, sorted, output);  // keys that differ by less than floats can divide
-  }
-  std::uint32_t sum = 0;
-  for (std::size_t bucket = 0; bucket < buckets; ++bucket) {
-    cursors[bucket] = sum;
-    sum += counts[bucket];
-  }
-  const Entries parted{reinterpret_cast<float*>(scratch.sorted),
-                       reinterpret_cast<std::uint32_t*>(scratch.sorted) + count};
-  partition(entries, count, map, cursors.data(), parted);
-  std::memcpy(entries.keys, parted.keys, count * sizeof(float));
-  std::memcpy(entries.ids, parted.ids, count * sizeof(std::uint32_t));
-  std::size_t first = 0;
-  for (const std::uint32_t size : counts) {
-    sort_bucket(entries + first, size, scratch, output + first);
-    first += size;
-  }
-}
-
 }  // namespace
 
 struct Sorter::State {
@@ -223,13 +121,7 @@ struct Sorter::State {
   Normals normals;
   std::vector<FacetBlock> blocks;
 
-  // 16 bytes a facet, and 4 for bins where a mesh is sorted at once or by as many threads as it has work for.
-  Scratch<float> keys;
-  Scratch<std::uint32_t> ids;
-  Scratch<std::byte> sorted;
-  Scratch<std::uint16_t> bins;
-  Scratch<std::uint32_t> counts;  // of each part and bucket, and then where they go
-  Scratch<std::uint32_t> bucket_begins;
+  FacetSort facet_sort;
   Scratch<float> asked_keys;
 
   // What was sorted last.
@@ -245,13 +137,7 @@ struct Sorter::State {
   void remember(const SortView& sorted_view);
   void forget_view() { has_view = ids_hold_order = asked_keys_are_current = false; }
   KeySource source() const;
-  std::size_t sorted_at_once() const;
-  std::size_t reserve_scratch();
-  ThreadScratch scratch_of(std::size_t thread);
-  std::size_t sort_range(const KeySource& source, std::size_t begin, std::size_t end, std::size_t threads,
-                         const ThreadScratch& scratch, const Output& output);
-  std::size_t sort_large_range(const KeySource& source, std::size_t begin, std::size_t end, std::size_t threads,
-                               const Output& output);
+  Keys keys() const { return options.precision == Precision::whole ? Keys::whole : Keys::quantised; }
   std::size_t sort_all(const SortView& view, const Output& output);
   template <typename Index>
   std::size_t sort_indices(const SortView& view, std::span<const glm::uvec3> triangles, std::span<Index> indices,
@@ -340,102 +226,16 @@ KeySource Sorter::State::source() const {
   return made;
 }
 
-std::size_t Sorter::State::sorted_at_once() const {
-  return facet_count() < 2 * facets_of_thread ? facet_count() : facets_of_thread;
-}
-
-// The number of threads that there is work for.
-std::size_t Sorter::State::reserve_scratch() {
-  const std::size_t count = facet_count();
-  const auto most = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
-  const std::size_t threads = std::clamp<std::size_t>(count / facets_of_thread, 1, most);
-  keys.get(count);
-  ids.get(count);
-  sorted.get(count * sizeof(std::int64_t));
-  bins.get(threads * bin_count(sorted_at_once()));
-  return threads;
-}
-
-ThreadScratch Sorter::State::scratch_of(std::size_t thread) {
-  const std::size_t entries = sorted_at_once();
-  return {sorted.data() + thread * entries * sizeof(std::int64_t), bins.data() + thread * bin_count(entries), entries};
-}
-
-std::size_t Sorter::State::sort_large_range(const KeySource& source, std::size_t begin, std::size_t end,
-                                            std::size_t threads, const Output& output) {
-  const std::size_t buckets = std::clamp<std::size_t>((end - begin) / facets_per_bucket, 2, most_buckets);
-  const std::size_t parts = threads == 1 ? 1 : threads * parts_per_thread;
-  const KeyRange range = typical_range(source, begin, end);
-  const BucketMap map = range.lowest < range.highest ? bucket_map(range.lowest, range.highest, buckets)
-                                                     : BucketMap{range.highest, 0, static_cast<float>(buckets - 1)};
-  std::uint32_t* part_counts = counts.get(parts * buckets);
-  const auto for_parts = [&](const auto& body) {
-    for_threads(parts, [&](std::size_t part) {
-      body(part_begin(begin, end, part, parts), part_begin(begin, end, part + 1, parts), part_counts + part * buckets);
-    });
-  };
-
-  // Count.
-  for_parts([&](std::size_t first, std::size_t last, std::uint32_t* of_part) {
-    std::fill(of_part, of_part + buckets, 0u);
-    count_buckets(source, map, first, last, of_part);
-  });
-  std::uint32_t* begins = bucket_begins.get(buckets + 1);
-  std::uint32_t sum = static_cast<std::uint32_t>(begin);
-  for (std::size_t bucket = 0; bucket < buckets; ++bucket) {
-    begins[bucket] = sum;
-    for (std::size_t part = 0; part < parts; ++part) {
-      sum += std::exchange(part_counts[part * buckets + bucket], sum);
-    }
-  }
-  begins[buckets] = sum;
-
-  // Partition.
-  const Entries entries{keys.data(), ids.data()};
-  for_parts([&](std::size_t first, std::size_t last, std::uint32_t* of_part) {
-    partition(source, map, first, last, of_part, entries);
-  });
-
-  // Sort, farthest bucket first, each thread the next that none has taken.
-  const auto size_of = [&](std::size_t bucket) { return begins[bucket + 1] - begins[bucket]; };
-  const auto sort_one = [&](std::size_t bucket, const ThreadScratch& scratch) {
-    sort_bucket(entries + begins[bucket], size_of(bucket), scratch, output + (begins[bucket] - begin));
-  };
-  std::atomic<std::size_t> next{0};
-  const auto sort_buckets = [&](std::size_t thread) {
-    for (std::size_t bucket; (bucket = next.fetch_add(1, std::memory_order_relaxed)) < buckets;) {
-      if (size_of(bucket) <= sorted_at_once()) sort_one(bucket, scratch_of(thread));
-    }
-  };
-  for_threads(threads, sort_buckets);
-  // Where depths are very uneven some are too large for a thread's scratch: they get everyone's.
-  for (std::size_t bucket = 0; bucket < buckets; ++bucket) {
-    if (size_of(bucket) > sorted_at_once()) sort_one(bucket, scratch_of(0));
-  }
-  return sum - begin;
-}
-
-// The facets of [begin, end) by themselves, from output[0] on; the number of them that are not culled.
-std::size_t Sorter::State::sort_range(const KeySource& source, std::size_t begin, std::size_t end, std::size_t threads,
-                                      const ThreadScratch& scratch, const Output& output) {
-  if (end - begin > sorted_at_once()) return sort_large_range(source, begin, end, threads, output);
-  const Entries entries = Entries{keys.data(), ids.data()} + begin;
-  const std::size_t count = collect(source, begin, end, entries);
-  sort_bucket(entries, count, scratch, output);
-  return count;
-}
-
 std::size_t Sorter::State::sort_all(const SortView& of_view, const Output& output) {
   remember(of_view);
-  const std::size_t threads = reserve_scratch();
-  ids_hold_order = output.ids == ids.data();
-  return facets_in_ids = sort_range(source(), 0, facet_count(), threads, scratch_of(0), output);
+  const std::size_t threads = facet_sort.reserve(facet_count());
+  return facets_in_ids = facet_sort.sort(source(), 0, facet_count(), keys(), threads, 0, output);
 }
 
 template <typename Index>
 Output output_to(std::span<const glm::uvec3> triangles, std::span<Index> indices, std::span<std::uint32_t> ids) {
   Output output;
-  constexpr std::size_t fit_the_cache = 262144;  // measured; 12 bytes each
+  constexpr std::size_t fit_the_cache = 32768;  // of a core; 12 bytes each
   output.corners = &triangles.data()->x;
   output.prefetches = triangles.size() > fit_the_cache;
   if constexpr (sizeof(Index) == sizeof(std::uint32_t)) {
@@ -452,6 +252,7 @@ std::size_t Sorter::State::sort_indices(const SortView& of_view, std::span<const
                                         std::span<Index> indices, std::span<std::uint32_t> ids_out) {
   assert(triangles.size() == facet_count() && indices.size() >= 3 * triangles.size());
   assert(ids_out.empty() || ids_out.size() >= triangles.size());
+  ids_hold_order = false;
   return sort_all(of_view, output_to(triangles, indices, ids_out));
 }
 
@@ -464,24 +265,24 @@ void Sorter::State::sort_ranges(const SortView& of_view, std::span<const glm::uv
   assert(counts_out.size() == ranges.size());
   remember(of_view);
   has_view = ids_hold_order = false;  // no order of all facets
-  const std::size_t threads = reserve_scratch();
+  const std::size_t threads = facet_sort.reserve(facet_count());
   const KeySource from = source();
   const Output output = output_to(triangles, indices, ids_out);
-  const auto sort_one = [&](std::size_t range, std::size_t with_threads, const ThreadScratch& scratch) {
+  const auto sort_one = [&](std::size_t range, std::size_t with_threads, std::size_t thread) {
     const FacetRange& r = ranges[range];
     assert(std::size_t{r.first} + r.count <= facet_count());
-    counts_out[range] = static_cast<std::uint32_t>(
-        sort_range(from, r.first, std::size_t{r.first} + r.count, with_threads, scratch, output + r.first));
+    counts_out[range] = static_cast<std::uint32_t>(facet_sort.sort(from, r.first, std::size_t{r.first} + r.count,
+                                                                   keys(), with_threads, thread, output + r.first));
   };
-  const auto is_large = [&](std::size_t range) { return ranges[range].count > sorted_at_once(); };
+  const auto is_large = [&](std::size_t range) { return facet_sort.is_large(ranges[range].count); };
   // A large range has work for all threads; the others are shared out.
   for (std::size_t range = 0; range < ranges.size(); ++range) {
-    if (is_large(range)) sort_one(range, threads, scratch_of(0));
+    if (is_large(range)) sort_one(range, threads, 0);
   }
   std::atomic<std::size_t> next{0};
   for_threads(threads, [&](std::size_t thread) {
     for (std::size_t range; (range = next.fetch_add(1, std::memory_order_relaxed)) < ranges.size();) {
-      if (!is_large(range)) sort_one(range, 1, scratch_of(thread));
+      if (!is_large(range)) sort_one(range, 1, thread);
     }
   });
 }
@@ -524,11 +325,13 @@ void Sorter::set_positions(std::span<const glm::uvec3> triangles, const StridedP
 std::span<const std::uint32_t> Sorter::sort(const SortView& view) {
   State& state = *state_;
   if (!(state.ids_hold_order && state.is_sorted_for(view))) {
+    state.facet_sort.reserve(state.facet_count());
     Output output;
-    output.ids = state.ids.get(state.facet_count());
+    output.ids = state.facet_sort.ids();
     state.sort_all(view, output);
+    state.ids_hold_order = true;
   }
-  return {state.ids.data(), state.facets_in_ids};
+  return {state.facet_sort.ids(), state.facets_in_ids};
 }
 
 std::size_t Sorter::sort_indices(const SortView& view, std::span<const glm::uvec3> triangles,
@@ -583,12 +386,11 @@ std::size_t Sorter::prepared_bytes() const {
 
 std::size_t Sorter::memory_bytes() const {
   const State& state = *state_;
-  return state.prepared_bytes() + state.keys.bytes() + state.ids.bytes() + state.sorted.bytes() + state.bins.bytes() +
-         state.counts.bytes() + state.bucket_begins.bytes() + state.asked_keys.bytes();
+  return state.prepared_bytes() + state.facet_sort.bytes() + state.asked_keys.bytes();
 }
 
 std::vector<std::uint32_t> sort_facets(const MeshView& mesh, const SortView& view, Method method) {
-  Sorter sorter(mesh, method);
+  Sorter sorter(mesh, {.method = method, .precision = Precision::whole});
   const std::span<const std::uint32_t> order = sorter.sort(view);
   return {order.begin(), order.end()};
 }

@@ -33,9 +33,22 @@ std::array<glm::vec4, 6> clip_planes_of(const glm::mat4& clip_from_mesh);
 
 enum class Direction { back_to_front, front_to_back };
 
+// How finely depths are told apart.
+enum class Precision {
+  // Depth is cut into steps, one for two facets and at most 65,536, over the depths where nearly all facets lie; facets
+  // on one step come out by smaller id. Facets beyond those depths, and on steps with more than their share, are sorted
+  // by whole keys: no facet is more than 48 places, or 16 and 1/4096 of the facets, from where its whole key would put
+  // it. Half the work of whole keys and less. Below 1,024 facets keys are whole.
+  quantised,
+  // Float32 keys, compared to the last bit: for layers nearer to each other than 1/65,536 of the depth that they lie in,
+  // and for orders that are compared with others.
+  whole,
+};
+
 struct SorterOptions {
   Method method = Method::centroid_distance;  // one of depth_key_methods()
   Direction direction = Direction::back_to_front;
+  Precision precision = Precision::quantised;
   // Leave out facets seen from behind. A facet seen from the front is never left out; a few of those behind whose
   // angle is within rounding of edge-on may stay. 6 bytes a facet.
   bool cull_back_faces = false;
@@ -49,11 +62,10 @@ struct FacetRange {
 };
 
 // Sorts one mesh for many views. Construction computes what does not depend on the view; the sorting functions allocate
-// nothing after the first call of each, in an arena of no more threads. Keys are float32, compared to the last bit:
-// facets with equal keys come out by smaller id first, in both directions. They are taken relative to the mesh's
-// centre, so a mesh far from the origin, or an eye far from the mesh, costs no digits; nor does an eye near facets that
-// are small against the mesh. The order depends on neither thread count nor instruction set. Mirroring mesh and eye, or
-// scaling both by a power of two, changes no key comparison.
+// nothing after the first call of each, in an arena of no more threads. Facets with equal keys come out by smaller id
+// first, in both directions. Keys are taken relative to the mesh's centre, so a mesh far from the origin, or an eye far
+// from the mesh, costs no digits; nor does an eye near facets that are small against the mesh. The order depends on
+// neither thread count nor instruction set. Mirroring mesh and eye, or scaling both by a power of two, changes nothing.
 //
 // Meshes whose facets lie in spatial order (spatial_order()) sort fastest. Large meshes are sorted in parallel in the
 // caller's task arena. A Sorter serves one thread at a time; different Sorters may be used at once. It keeps no
@@ -118,7 +130,7 @@ class Sorter {
   std::unique_ptr<State> state_;
 };
 
-// One use: the order of one mesh for one view, by a depth key.
+// One use: the order of one mesh for one view, by whole depth keys.
 std::vector<std::uint32_t> sort_facets(const MeshView& mesh, const SortView& view,
                                        Method method = Method::centroid_distance);
 

@@ -1,0 +1,379 @@
+// Internal to order: keys of facets, in tiles, and entries in buckets of depth. Included by depth_kernels.cpp, once for
+// each instruction set.
+HWY_BEFORE_NAMESPACE();
+namespace facetsort::order_internal::HWY_NAMESPACE {
+namespace hn = hwy::HWY_NAMESPACE;
+
+// A tile is a block: whole vectors for every instruction set, and all of it in the first-level cache.
+constexpr std::size_t tile_facets = block_facets;
+using FloatTag = hn::CappedTag<float, tile_facets>;
+using IntTag = hn::RebindToSigned<FloatTag>;
+using IdTag = hn::RebindToUnsigned<FloatTag>;
+using FloatVec = hn::Vec<FloatTag>;
+using FloatMask = hn::Mask<FloatTag>;
+
+// Room for whole vectors written from any place in a tile.
+constexpr std::size_t padded_tile = 2 * tile_facets;
+
+struct Tile {
+  HWY_ALIGN float keys[padded_tile];
+  HWY_ALIGN std::uint32_t ids[padded_tile];
+  HWY_ALIGN std::int32_t buckets[padded_tile];
+};
+
+// Four at a time: the loops here are too short for the compiler to think of it.
+template <typename Body>
+HWY_INLINE void unrolled(std::size_t count, const Body& body) {
+  std::size_t i = 0;
+  for (; i + 4 <= count; i += 4) {
+    body(i);
+    body(i + 1);
+    body(i + 2);
+    body(i + 3);
+  }
+  for (; i < count; ++i) body(i);
+}
+
+// Up to a tile of an array, in whole vectors: the array itself, or a copy where it ends before.
+template <typename T>
+HWY_INLINE const T* whole_vectors(const T* from, std::size_t count, T* copy) {
+  if (count == tile_facets) return from;
+  std::memcpy(copy, from, count * sizeof(T));
+  std::memset(static_cast<void*>(copy + count), 0, (tile_facets - count) * sizeof(T));
+  return copy;
+}
+
+// Points of a tile, readable in whole vectors.
+struct TilePoints {
+  HWY_ALIGN float copies[3][tile_facets];
+  const float *x, *y, *z;
+
+  HWY_INLINE TilePoints(const KeySource::Points& points, std::size_t first, std::size_t count)
+      : x(whole_vectors(points.x + first, count, copies[0])),
+        y(whole_vectors(points.y + first, count, copies[1])),
+        z(whole_vectors(points.z + first, count, copies[2])) {}
+  // Of facets anywhere in the mesh.
+  HWY_INLINE TilePoints(const KeySource::Points& points, const std::uint32_t* ids, std::size_t count)
+      : x(copies[0]), y(copies[1]), z(copies[2]) {
+    std::memset(static_cast<void*>(copies), 0, sizeof copies);
+    for (std::size_t i = 0; i < count; ++i) {
+      copies[0][i] = points.x[ids[i]];
+      copies[1][i] = points.y[ids[i]];
+      copies[2][i] = points.z[ids[i]];
+    }
+  }
+};
+
+// Multiplications and additions apart: fused ones would round otherwise than on processors that have none.
+template <KeyForm::Kind kind>
+HWY_INLINE void keys_of_points(const KeyForm& form, const TilePoints& points, std::size_t count, float* keys) {
+  const FloatTag d;
+  const FloatVec zero = hn::Zero(d), linear = hn::Set(d, form.linear);
+  const glm::vec3& first = kind == KeyForm::Kind::distance ? form.eye : form.constant;
+  const FloatVec fx = hn::Set(d, first.x), fy = hn::Set(d, first.y), fz = hn::Set(d, first.z);
+  for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+    const FloatVec x = hn::LoadU(d, points.x + i), y = hn::LoadU(d, points.y + i), z = hn::LoadU(d, points.z + i);
+    FloatVec key;
+    if constexpr (kind == KeyForm::Kind::distance) {
+      const FloatVec dx = hn::Sub(x, fx), dy = hn::Sub(y, fy), dz = hn::Sub(z, fz);
+      key = hn::Add(hn::Add(hn::Mul(dx, dx), hn::Mul(dy, dy)), hn::Mul(dz, dz));
+    } else {
+      key = hn::Add(hn::Add(hn::Mul(x, hn::Add(fx, hn::Mul(linear, x))), hn::Mul(y, hn::Add(fy, hn::Mul(linear, y)))),
+                    hn::Mul(z, hn::Add(fz, hn::Mul(linear, z))));
+    }
+    // + 0 turns -0 into 0: equal depths must have equal bits.
+    hn::Store(hn::Add(key, zero), d, keys + i);
+  }
+}
+
+// `facets` is the first id of a tile, or a list of ids.
+template <typename Facets>
+HWY_INLINE void keys_of_one_point(const KeySource& source, int point, Facets facets, std::size_t count, float* keys) {
+  const TilePoints points(source.points[point], facets, count);
+  if (source.form.kind == KeyForm::Kind::distance) {
+    keys_of_points<KeyForm::Kind::distance>(source.form, points, count, keys);
+  } else {
+    keys_of_points<KeyForm::Kind::polynomial>(source.form, points, count, keys);
+  }
+}
+
+// In whole vectors: writes up to tile_facets keys.
+template <typename Facets>
+HWY_INLINE void keys_of_tile(const KeySource& source, Facets facets, std::size_t count, float* keys) {
+  const FloatTag d;
+  keys_of_one_point(source, 0, facets, count, keys);
+  if (source.combine == Combine::none) return;
+  HWY_ALIGN float others[tile_facets];
+  for (int point = 1; point < 3; ++point) {
+    keys_of_one_point(source, point, facets, count, others);
+    for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+      const FloatVec a = hn::Load(d, keys + i), b = hn::Load(d, others + i);
+      hn::Store(source.combine == Combine::nearest ? hn::Min(a, b) : hn::Max(a, b), d, keys + i);
+    }
+  }
+}
+
+HWY_INLINE void flip_sign(std::size_t count, float* keys) {
+  const FloatTag d;
+  // 0 - key, not -key: it has no -0 either.
+  for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+    hn::Store(hn::Sub(hn::Zero(d), hn::Load(d, keys + i)), d, keys + i);
+  }
+}
+
+// The planes that cut a block's box: -1 where the box lies outside of one.
+HWY_INLINE int cutting_planes(const KeySource& source, const FacetBlock& block, glm::vec4* cutting) {
+  // Roundings of dot products of box corners (at most sqrt(12) long) with unit normals.
+  constexpr float rounding = 16 * 3.5f * 0x1p-24f;
+  int count = 0;
+  for (int i = 0; i < source.plane_count; ++i) {
+    const glm::vec4& plane = source.planes[i];
+    const glm::vec3 normal(plane);
+    const glm::vec3 inner = glm::mix(block.lowest, block.highest, glm::greaterThan(normal, glm::vec3(0)));
+    const glm::vec3 outer = glm::mix(block.highest, block.lowest, glm::greaterThan(normal, glm::vec3(0)));
+    const float slack = rounding + glm::abs(plane.w) * 0x1p-22f;
+    if (glm::dot(normal, inner) + plane.w < -slack) return -1;
+    if (glm::dot(normal, outer) + plane.w < slack) cutting[count++] = plane;
+  }
+  return count;
+}
+
+// Leaves those facets of a tile that are not culled, and gives their number. The tile lies in one block.
+HWY_INLINE std::size_t cull_tile(const KeySource& source, std::size_t first, std::size_t count, Tile& tile) {
+  const FloatTag d;
+  const IntTag di;
+  glm::vec4 planes[most_clip_planes];
+  int plane_count = 0;
+  float reach = 0;
+  if (source.plane_count != 0) {
+    const FacetBlock& block = source.blocks[first / block_facets];
+    plane_count = cutting_planes(source, block, planes);
+    if (plane_count < 0) return 0;
+    reach = block.reach;
+  }
+  const bool facing = source.facing.x != nullptr;
+  if (!facing && plane_count == 0) return count;
+
+  const TilePoints points(source.culled_by, first, count);
+  HWY_ALIGN std::int16_t copies[3][tile_facets];
+  const std::int16_t *nx = copies[0], *ny = copies[1], *nz = copies[2];
+  if (facing) {
+    nx = whole_vectors(source.facing.x + first, count, copies[0]);
+    ny = whole_vectors(source.facing.y + first, count, copies[1]);
+    nz = whole_vectors(source.facing.z + first, count, copies[2]);
+  }
+  const hn::Rebind<std::int16_t, FloatTag> d16;
+  const auto component = [&](const std::int16_t* from)
+                             HWY_ATTR { return hn::ConvertTo(d, hn::PromoteTo(di, hn::LoadU(d16, from))); };
+  const FloatVec scale = hn::Set(d, source.facing.scale);
+  const FloatVec ex = hn::Set(d, source.facing.eye.x), ey = hn::Set(d, source.facing.eye.y),
+                 ez = hn::Set(d, source.facing.eye.z);
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+    const FloatVec x = hn::LoadU(d, points.x + i), y = hn::LoadU(d, points.y + i), z = hn::LoadU(d, points.z + i);
+    FloatMask keep = hn::FirstN(d, count - i);
+    if (facing) {
+      const FloatVec dx = hn::Sub(ex, hn::Mul(scale, x)), dy = hn::Sub(ey, hn::Mul(scale, y)),
+                     dz = hn::Sub(ez, hn::Mul(scale, z));
+      const FloatVec product = hn::Add(hn::Add(hn::Mul(component(nx + i), dx), hn::Mul(component(ny + i), dy)),
+                                       hn::Mul(component(nz + i), dz));
+      // A normal's components are off by half a step each; the rest bounds the roundings of points, eye and product.
+      const FloatVec reach_of_rounding = hn::Add(hn::Add(hn::Abs(dx), hn::Abs(dy)), hn::Abs(dz));
+      const FloatVec error = hn::Add(hn::Mul(hn::Set(d, 0.6f), reach_of_rounding), hn::Set(d, 0.25f));
+      keep = hn::And(keep, hn::Ge(hn::Add(product, error), hn::Zero(d)));
+    }
+    for (int p = 0; p < plane_count; ++p) {
+      const FloatVec value = hn::Add(hn::Add(hn::Mul(hn::Set(d, planes[p].x), x), hn::Mul(hn::Set(d, planes[p].y), y)),
+                                     hn::Mul(hn::Set(d, planes[p].z), z));
+      const float slack = reach + 32 * 3.5f * 0x1p-24f + glm::abs(planes[p].w) * 0x1p-22f;
+      keep = hn::And(keep, hn::Ge(value, hn::Set(d, -planes[p].w - slack)));
+    }
+    // Neighbours mostly face the same way. Where they don't, without a branch a facet.
+    if (hn::AllFalse(d, keep)) continue;
+    if (hn::AllTrue(d, keep)) {
+      hn::StoreU(hn::Load(d, tile.keys + i), d, tile.keys + kept);
+      hn::StoreU(hn::Load(IdTag(), tile.ids + i), IdTag(), tile.ids + kept);
+      kept += hn::Lanes(d);
+      continue;
+    }
+    std::uint8_t bits[8] = {};
+    hn::StoreMaskBits(d, keep, bits);
+    for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane) {
+      tile.keys[kept] = tile.keys[i + lane];
+      tile.ids[kept] = tile.ids[i + lane];
+      kept += bits[lane / 8] >> (lane % 8) & 1;
+    }
+  }
+  return kept;
+}
+
+// Keys and ids of the facets of a tile that are not culled; the number of them.
+HWY_INLINE std::size_t entries_of_tile(const KeySource& source, std::size_t first, std::size_t count, Tile& tile) {
+  const IdTag d;
+  keys_of_tile(source, first, count, tile.keys);
+  if (source.sign < 0) flip_sign(count, tile.keys);
+  for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+    hn::Store(hn::Iota(d, static_cast<std::uint32_t>(first + i)), d, tile.ids + i);
+  }
+  return source.culls() ? cull_tile(source, first, count, tile) : count;
+}
+
+// Calls body(first, count) for the tiles of [begin, end), none of which crosses the border of a block.
+template <typename Body>
+HWY_INLINE void for_tiles(std::size_t begin, std::size_t end, const Body& body) {
+  while (begin < end) {
+    const std::size_t count = std::min(tile_facets - begin % tile_facets, end - begin);
+    body(begin, count);
+    begin += count;
+  }
+}
+
+HWY_INLINE FloatVec bucket_of(const BucketMap& map, FloatVec key) {
+  const FloatTag d;
+  const FloatVec bucket = hn::Mul(hn::Sub(hn::Set(d, map.highest), key), hn::Set(d, map.scale));
+  return hn::Min(hn::Max(bucket, hn::Zero(d)), hn::Set(d, map.last));
+}
+
+// Facets that are neighbours in memory are mostly neighbours in space, and then in one bucket: a vector at a time.
+// whole(i, bucket) takes a vector of entries from i on, one(i, bucket) a single one.
+template <typename Whole, typename One>
+HWY_INLINE void for_buckets(const float* keys, std::size_t count, const BucketMap& map, std::int32_t* buckets,
+                            const Whole& whole, const One& one) {
+  const FloatTag d;
+  const IntTag di;
+  const std::size_t lanes = hn::Lanes(d);
+  std::size_t i = 0;
+  for (; i + lanes <= count; i += lanes) {
+    const auto bucket = hn::ConvertTo(di, bucket_of(map, hn::LoadU(d, keys + i)));
+    const std::int32_t first = hn::GetLane(bucket);
+    if (hn::AllTrue(di, hn::Eq(bucket, hn::Set(di, first)))) {
+      whole(i, first);
+    } else {
+      hn::Store(bucket, di, buckets);
+      for (std::size_t lane = 0; lane < lanes; ++lane) one(i + lane, buckets[lane]);
+    }
+  }
+  for (; i < count; ++i) {
+    // The same roundings as in vectors.
+    const float bucket = (map.highest - keys[i]) * map.scale;
+    one(i, static_cast<std::int32_t>(std::min(std::max(bucket, 0.0f), map.last)));
+  }
+}
+
+HWY_INLINE void count_tile(const float* keys, std::size_t count, const BucketMap& map, std::int32_t* buckets,
+                           std::uint32_t* counts) {
+  const auto lanes = static_cast<std::uint32_t>(hn::Lanes(FloatTag()));
+  for_buckets(
+      keys, count, map, buckets, [&](std::size_t, std::int32_t bucket) HWY_ATTR { counts[bucket] += lanes; },
+      [&](std::size_t, std::int32_t bucket) HWY_ATTR { ++counts[bucket]; });
+}
+
+HWY_INLINE void partition_tile(const float* keys, const std::uint32_t* ids, std::size_t count, const BucketMap& map,
+                               std::int32_t* buckets, std::uint32_t* cursors, const Entries& to) {
+  const FloatTag d;
+  const IdTag du;
+  const auto lanes = static_cast<std::uint32_t>(hn::Lanes(d));
+  for_buckets(
+      keys, count, map, buckets,
+      [&](std::size_t i, std::int32_t bucket) HWY_ATTR {
+        const std::uint32_t at = cursors[bucket];
+        hn::StoreU(hn::LoadU(d, keys + i), d, to.keys + at);
+        hn::StoreU(hn::LoadU(du, ids + i), du, to.ids + at);
+        cursors[bucket] = at + lanes;
+      },
+      [&](std::size_t i, std::int32_t bucket) HWY_ATTR {
+        const std::uint32_t at = cursors[bucket]++;
+        to.keys[at] = keys[i];
+        to.ids[at] = ids[i];
+      });
+}
+
+void KeysOf(const KeySource& source, const std::uint32_t* ids, std::size_t count, float* keys) {
+  HWY_ALIGN float tile[tile_facets];
+  for (std::size_t first = 0; first < count; first += tile_facets) {
+    const std::size_t size = std::min(tile_facets, count - first);
+    keys_of_tile(source, ids + first, size, tile);
+    if (source.sign < 0) flip_sign(size, tile);
+    std::memcpy(keys + first, tile, size * sizeof(float));
+  }
+}
+
+void ComputeKeys(const KeySource& source, std::size_t begin, std::size_t end, float* keys) {
+  Tile tile;
+  for_tiles(begin, end, [&](std::size_t first, std::size_t count) HWY_ATTR {
+    keys_of_tile(source, first, count, tile.keys);
+    std::memcpy(keys + (first - begin), tile.keys, count * sizeof(float));
+  });
+}
+
+std::size_t Collect(const KeySource& source, std::size_t begin, std::size_t end, const Entries& to) {
+  const IdTag d;
+  Tile tile;
+  std::size_t total = 0;
+  for_tiles(begin, end, [&](std::size_t first, std::size_t count) HWY_ATTR {
+    const std::size_t kept = entries_of_tile(source, first, count, tile);
+    if (count == tile_facets) {
+      // In whole vectors: what lies behind those kept is still to be written, or to be left over.
+      for (std::size_t i = 0; i < kept; i += hn::Lanes(d)) {
+        hn::StoreU(hn::Load(FloatTag(), tile.keys + i), FloatTag(), to.keys + total + i);
+        hn::StoreU(hn::Load(d, tile.ids + i), d, to.ids + total + i);
+      }
+    } else {
+      for (std::size_t i = 0; i < kept; ++i) {
+        to.keys[total + i] = tile.keys[i];
+        to.ids[total + i] = tile.ids[i];
+      }
+    }
+    total += kept;
+  });
+  return total;
+}
+
+void CountFacets(const KeySource& source, const BucketMap& map, std::size_t begin, std::size_t end,
+                 std::uint32_t* counts) {
+  Tile tile;
+  for_tiles(begin, end, [&](std::size_t first, std::size_t count) HWY_ATTR {
+    count_tile(tile.keys, entries_of_tile(source, first, count, tile), map, tile.buckets, counts);
+  });
+}
+
+void PartitionFacets(const KeySource& source, const BucketMap& map, std::size_t begin, std::size_t end,
+                     std::uint32_t* cursors, const Entries& to) {
+  Tile tile;
+  for_tiles(begin, end, [&](std::size_t first, std::size_t count) HWY_ATTR {
+    const std::size_t kept = entries_of_tile(source, first, count, tile);
+    partition_tile(tile.keys, tile.ids, kept, map, tile.buckets, cursors, to);
+  });
+}
+
+void CountEntries(const Entries& from, std::size_t count, const BucketMap& map, std::uint32_t* counts) {
+  Tile tile;
+  count_tile(from.keys, count, map, tile.buckets, counts);
+}
+
+void PartitionEntries(const Entries& from, std::size_t count, const BucketMap& map, std::uint32_t* cursors,
+                      const Entries& to) {
+  Tile tile;
+  partition_tile(from.keys, from.ids, count, map, tile.buckets, cursors, to);
+}
+
+KeyRange RangeOfKeys(const float* keys, std::size_t count) {
+  const FloatTag d;
+  const std::size_t lanes = hn::Lanes(d);
+  KeyRange range{keys[0], keys[0]};
+  std::size_t i = 0;
+  if (count >= lanes) {
+    FloatVec lowest = hn::LoadU(d, keys), highest = lowest;
+    for (i = lanes; i + lanes <= count; i += lanes) {
+      const FloatVec key = hn::LoadU(d, keys + i);
+      lowest = hn::Min(lowest, key);
+      highest = hn::Max(highest, key);
+    }
+    range = {hn::GetLane(hn::MinOfLanes(d, lowest)), hn::GetLane(hn::MaxOfLanes(d, highest))};
+  }
+  for (; i < count; ++i) range = {std::min(range.lowest, keys[i]), std::max(range.highest, keys[i])};
+  return range;
+}
+
+}  // namespace facetsort::order_internal::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();

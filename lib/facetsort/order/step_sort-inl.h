@@ -1,0 +1,189 @@
+// Internal to order: facets in the order of quantised depths. Included by depth_kernels.cpp, once for each instruction
+// set.
+//
+// Depth is cut into steps of one length. How many facets lie on each is counted, which says where each step begins in
+// the order, and their ids go there in one pass over the mesh; a last pass over the order writes what is asked for. In
+// a mesh in spatial order the steps of neighbours are near each other, so that counters and places of ids are in the
+// cache whatever the mesh's size.
+HWY_BEFORE_NAMESPACE();
+namespace facetsort::order_internal::HWY_NAMESPACE {
+
+// Steps are read four at a time: these loops wait for memory operations, not for arithmetic.
+HWY_INLINE std::uint64_t four_steps(const std::uint16_t* from) {
+  std::uint64_t four;
+  std::memcpy(&four, from, sizeof four);
+  return four;
+}
+
+HWY_INLINE std::size_t step_of_four(std::uint64_t four, int k) {
+  return four >> 16 * (std::endian::native == std::endian::little ? k : 3 - k) & 0xffff;
+}
+
+// In whole vectors.
+HWY_INLINE void steps_of_tile(const float* keys, std::size_t count, const BucketMap& map, std::uint16_t* steps) {
+  const FloatTag d;
+  const IntTag di;
+  const hn::Rebind<std::uint16_t, FloatTag> d16;
+  // Floats from here on are integers, which their lowest bits hold.
+  const FloatVec integers = hn::Set(d, 0x1p23f);
+  for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+    const FloatVec step = hn::Add(bucket_of(map, hn::Load(d, keys + i)), integers);
+    hn::StoreU(hn::DemoteTo(d16, hn::And(hn::BitCast(di, step), hn::Set(di, 0xffff))), d16, steps + i);
+  }
+}
+
+HWY_INLINE void count_steps_of_tile(const std::uint16_t* steps, std::size_t count, std::uint32_t* counts) {
+  std::size_t i = 0;
+  for (; i + 4 <= count; i += 4) {
+    const std::uint64_t four = four_steps(steps + i);
+    for (int k = 0; k < 4; ++k) ++counts[step_of_four(four, k)];
+  }
+  for (; i < count; ++i) ++counts[steps[i]];
+}
+
+std::size_t CountSteps(const KeySource& source, const BucketMap& map, std::size_t begin, std::size_t end,
+                       std::uint16_t* steps, std::uint32_t* ids, std::uint32_t* counts) {
+  const bool culls = source.culls();
+  Tile tile;
+  HWY_ALIGN std::uint16_t tile_steps[tile_facets];
+  std::size_t total = 0;
+  for_tiles(begin, end, [&](std::size_t first, std::size_t count) HWY_ATTR {
+    std::size_t kept = count;
+    if (culls) {
+      kept = entries_of_tile(source, first, count, tile);
+      std::memcpy(ids + total, tile.ids, kept * sizeof(std::uint32_t));
+    } else {
+      keys_of_tile(source, first, count, tile.keys);
+      if (source.sign < 0) flip_sign(count, tile.keys);
+    }
+    steps_of_tile(tile.keys, kept, map, tile_steps);
+    count_steps_of_tile(tile_steps, kept, counts);
+    std::memcpy(steps + total, tile_steps, kept * sizeof(std::uint16_t));
+    total += kept;
+  });
+  return total;
+}
+
+std::uint32_t SumSteps(std::uint32_t* counts, std::size_t parts, std::size_t steps) {
+#if HWY_TARGET == HWY_SCALAR
+  std::uint32_t sum = 0, most = 0;
+  for (std::size_t step = 0; step < steps; ++step) {
+    const std::uint32_t before = sum;
+    for (std::size_t part = 0; part < parts; ++part) sum += std::exchange(counts[part * steps + step], sum);
+    most = std::max(most, sum - before);
+  }
+  return most;
+#else
+  const hn::CappedTag<std::uint32_t, 4> d;
+  auto before = hn::Zero(d), most = hn::Zero(d);
+  for (std::size_t step = 0; step < steps; step += 4) {
+    auto total = hn::LoadU(d, counts + step);
+    for (std::size_t part = 1; part < parts; ++part) total = hn::Add(total, hn::LoadU(d, counts + part * steps + step));
+    most = hn::Max(most, total);
+    auto sums = hn::Add(total, hn::ShiftLeftLanes<1>(d, total));
+    sums = hn::Add(sums, hn::ShiftLeftLanes<2>(d, sums));
+    auto place = hn::Add(hn::Sub(sums, total), before);
+    for (std::size_t part = 0; part < parts; ++part) {
+      std::uint32_t* of_part = counts + part * steps + step;
+      const auto count = hn::LoadU(d, of_part);
+      hn::StoreU(place, d, of_part);
+      place = hn::Add(place, count);
+    }
+    before = hn::Add(before, hn::Broadcast<3>(sums));
+  }
+  return hn::GetLane(hn::MaxOfLanes(d, most));
+#endif
+}
+
+template <typename IdAt>
+HWY_INLINE void place_ids(const StepIds& from, const IdAt& id_at, std::uint32_t* cursors, std::uint32_t* order) {
+  const std::uint16_t* steps = from.steps;
+  std::size_t i = 0;
+  const auto place_four = [&] HWY_ATTR {
+    const std::uint64_t four = four_steps(steps + i);
+    std::uint32_t places[4];
+    for (int k = 0; k < 4; ++k) {
+      std::uint32_t& cursor = cursors[step_of_four(four, k)];
+      places[k] = cursor;
+      cursor = places[k] + 1;
+    }
+    for (int k = 0; k < 4; ++k) order[places[k]] = id_at(i + k);
+  };
+  if (from.prefetches) {
+    // Places come from memory in time if they are asked for so many ahead.
+    constexpr std::size_t ahead = 32;
+    for (; i + ahead + 4 <= from.count; i += 4) {
+      const std::uint64_t four = four_steps(steps + i + ahead);
+      for (int k = 0; k < 4; ++k) hwy::Prefetch(order + cursors[step_of_four(four, k)]);
+      place_four();
+    }
+  }
+  for (; i + 4 <= from.count; i += 4) place_four();
+  for (; i < from.count; ++i) order[cursors[steps[i]]++] = id_at(i);
+}
+
+void PlaceIds(const StepIds& from, std::uint32_t* cursors, std::uint32_t* order) {
+  if (from.ids == nullptr) {
+    const std::uint32_t first_id = from.first_id;
+    const auto in_a_row = [first_id](std::size_t i) HWY_ATTR { return first_id + static_cast<std::uint32_t>(i); };
+    place_ids(from, in_a_row, cursors, order);
+  } else {
+    const std::uint32_t* ids = from.ids;
+    place_ids(
+        from, [ids](std::size_t i) HWY_ATTR { return ids[i]; }, cursors, order);
+  }
+}
+
+HWY_INLINE void write_triangle(const std::uint32_t* from, std::uint32_t* to) {
+  for (int corner = 0; corner < 3; ++corner) to[corner] = from[corner];
+}
+
+// Four triangles are three vectors: fewer, wider stores than corner by corner.
+HWY_INLINE void write_four_triangles(const std::uint32_t* ids, const std::uint32_t* corners, std::uint32_t* to) {
+  const std::uint32_t* from[4];
+  for (int k = 0; k < 4; ++k) from[k] = corners + 3 * std::size_t{ids[k]};
+#if HWY_TARGET == HWY_SCALAR
+  for (int k = 0; k < 4; ++k) write_triangle(from[k], to + 3 * k);
+#else
+  const hn::CappedTag<std::uint32_t, 4> d;
+  const hn::Half<decltype(d)> pair;
+  const auto pair_of = [&](std::uint32_t first, std::uint32_t second)
+                           HWY_ATTR { return hn::InterleaveLower(pair, hn::Set(pair, first), hn::Set(pair, second)); };
+  hn::StoreU(hn::Combine(d, pair_of(from[0][2], from[1][0]), hn::LoadU(pair, from[0])), d, to);
+  hn::StoreU(hn::Combine(d, hn::LoadU(pair, from[2]), hn::LoadU(pair, from[1] + 1)), d, to + 4);
+  hn::StoreU(hn::Combine(d, hn::LoadU(pair, from[3] + 1), pair_of(from[2][2], from[3][0])), d, to + 8);
+#endif
+}
+
+HWY_INLINE void write_triangles(const std::uint32_t* ids, std::size_t count, const std::uint32_t* corners,
+                                std::uint32_t* to) {
+  std::size_t k = 0;
+  for (; k + 4 <= count; k += 4) write_four_triangles(ids + k, corners, to + 3 * k);
+  for (; k < count; ++k) write_triangle(corners + 3 * std::size_t{ids[k]}, to + 3 * k);
+}
+
+void WriteOrder(const std::uint32_t* ids, std::size_t count, const Output& output) {
+  // Triangles come from memory in time if they are asked for so many ahead.
+  constexpr std::size_t ahead = 32;
+  const std::uint32_t* corners = output.corners;
+  for (std::size_t first = 0; first < count; first += tile_facets) {
+    const std::size_t size = std::min(tile_facets, count - first);
+    const std::uint32_t* from = ids + first;
+    if (output.prefetches && first + size + ahead <= count) {
+      unrolled(size, [&](std::size_t i) HWY_ATTR { hwy::Prefetch(corners + 3 * std::size_t{from[ahead + i]}); });
+    }
+    if (output.indices_32 != nullptr) write_triangles(from, size, corners, output.indices_32 + 3 * first);
+    if (output.indices_16 != nullptr) {
+      std::uint16_t* to = output.indices_16 + 3 * first;
+      for (std::size_t i = 0; i < size; ++i) {
+        for (int corner = 0; corner < 3; ++corner) {
+          to[3 * i + corner] = static_cast<std::uint16_t>(corners[3 * std::size_t{from[i]} + corner]);
+        }
+      }
+    }
+  }
+  if (output.ids != nullptr && output.ids != ids) std::memcpy(output.ids, ids, count * sizeof(std::uint32_t));
+}
+
+}  // namespace facetsort::order_internal::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
