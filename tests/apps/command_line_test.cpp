@@ -83,7 +83,7 @@ TEST_F(CommandLine, TellsBadUsageInOneLine) {
       {with(order, {"--eye", "0,0,5", "--method", "alphabetical"}), "alphabetical"},
       {with(order, {"--eye", "0,0,5", "--method", "exact", "--max-growth", "0.9"}), "'0.9' is not a number of at least 1"},
       {with(order, {"--eye", "0,0,5", "--method", "exact", "--max-growth", "nan"}), "--max-growth"},
-      {with(order, {"--eye", "0,0,5", "--max-growth", "2"}), "--method exact"},
+      {with(order, {"--eye", "0,0,5", "--max-growth", "2"}), "an option of the exact methods"},
       {with(order, {"--eye", "0,0,5", "--threads", "0"}), "--threads"},
       {with(order, {"--eye", "0,0,5", "--sideways"}), "--sideways"},
       {{"order", box_, "--eye", "0,0,5", "-o", path("out.txt")}, ".u32 or .ply"},

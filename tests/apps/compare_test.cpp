@@ -86,7 +86,7 @@ TEST_F(Compare, WritesTheWholeReport) {
     std::set<std::string> keys;
     for (const auto& item : row.items()) keys.insert(item.key());
     EXPECT_EQ(keys, row_keys);
-    EXPECT_EQ(row.at("exact").is_object(), row.at("strategy") == "facet_sort:exact");
+    EXPECT_EQ(row.at("exact").is_object(), row.at("strategy").get<std::string>().starts_with("facet_sort:exact"));
   }
   const std::string csv = file_bytes(report_ / "results.csv");
   EXPECT_EQ(static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')), rows.size() + 1);

@@ -41,7 +41,7 @@ TEST(Strategy, NamesAreDistinctAndKnown) {
     EXPECT_TRUE(names.insert(strategy.name()).second);
     EXPECT_EQ(strategy_from_name(strategy.name()), strategy);
   }
-  EXPECT_EQ(names.size(), 15u);
+  EXPECT_EQ(names.size(), 17u);
   EXPECT_EQ(strategy_from_name("facet_sort:parametric_centre"), strategy_from_name("facet_sort:centroid_depth"));
   EXPECT_EQ(strategy_from_name("facet_sort"), strategy_from_name("facet_sort:centroid_distance"));
   for (const char* unknown : {"", "sorted", "facet_sort:", "facet_sort:nothing", "unsorted:centroid_depth", "unsorted:"}) {

@@ -14,7 +14,7 @@ TEST(Method, NamesAreDistinctAndKnown) {
     EXPECT_TRUE(names.insert(method_name(method)).second);
     EXPECT_EQ(method_from_name(method_name(method)), method);
   }
-  EXPECT_EQ(names.size(), 7u);
+  EXPECT_EQ(names.size(), 9u);
   EXPECT_EQ(depth_key_methods().size(), 6u);
   EXPECT_TRUE(std::none_of(depth_key_methods().begin(), depth_key_methods().end(), is_exact));
   EXPECT_EQ(std::count_if(all_methods().begin(), all_methods().end(), is_exact), 3);
