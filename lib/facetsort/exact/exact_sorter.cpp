@@ -389,7 +389,7 @@ std::span<const std::uint32_t> ExactSorter::sort(const SortView& view) {
     state.order.assign(state.without_area.begin(), state.without_area.end());
     if (state.options.from == OrderFrom::tree_pieces) {
       read_pieces(state.tree_walk, view.eye, state.order);
-      statistics.view_cuts = statistics.tree_cuts;
+      statistics.view_cuts = statistics.tree_cuts;  // the same pieces from everywhere, and as many triangles
     } else {
       state.screen.look(state.points, state.elements, view.eye, state.keys);
       lap(statistics.project_ms);
@@ -401,10 +401,10 @@ std::span<const std::uint32_t> ExactSorter::sort(const SortView& view) {
       statistics.predicate_fallbacks = counts.fallbacks;
       statistics.rejoined_cuts = counts.rejoined;
       statistics.view_cuts = statistics.tree_cuts - statistics.rejoined_cuts;
+      state.triangles_counted = false;
     }
     lap(statistics.order_ms);
     statistics.pieces = state.order.size();
-    state.triangles_counted = false;
     return state.order;
   }
   state.screen.look(state.points, state.elements, view.eye, state.keys);

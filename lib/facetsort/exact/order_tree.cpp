@@ -73,10 +73,11 @@ class Sample {
         // Of parts with more corners, some.
         const std::uint32_t corner = items[i].place_count <= corners ? std::min(k, items[i].place_count - 1)
                                                                      : k * items[i].place_count / corners;
-        const glm::dvec3 place((places[items[i].first_place + corner] - origin_) * scale_);
-        x_[k][count_] = place.x;
-        y_[k][count_] = place.y;
-        z_[k][count_] = place.z;
+        const glm::dvec3 place = (places[items[i].first_place + corner] - origin_) * scale_;
+        exact_[count_][k] = place;
+        x_[k][count_] = static_cast<float>(place.x);
+        y_[k][count_] = static_cast<float>(place.y);
+        z_[k][count_] = static_cast<float>(place.z);
       }
     }
   }
@@ -84,23 +85,49 @@ class Sample {
   // Cuts for what the tree gains: the logarithm of the number of orders that the parts can still come in falls by about
   // the entropy of how the plane distributes them. Infinite where it distributes nothing.
   double cost(const PlaneInFrame& plane) const {
-    constexpr double in_plane_below = 0x1p-40;
     const double length = glm::length(plane.normal);
     if (!(length > 0)) return INFINITY;
     const glm::dvec3 normal = plane.normal / length;
     const double offset = glm::dot(normal, (plane.origin - origin_) * scale_);
+    const glm::vec3 n(normal);
+    const auto d = static_cast<float>(offset);
     int front = 0, back = 0, cut = 0;
-    for (std::size_t i = 0; i < count_; ++i) {
-      double lowest = INFINITY, highest = -INFINITY;
-      for (std::uint32_t k = 0; k < corners; ++k) {
-        const double value = normal.x * x_[k][i] + normal.y * y_[k][i] + normal.z * z_[k][i] - offset;
-        lowest = value < lowest ? value : lowest;
-        highest = value > highest ? value : highest;
+    for (std::size_t begin = 0; begin < count_; begin += block) {
+      float lowest[block], highest[block];
+      const std::size_t some = std::min(block, count_ - begin);
+      for (std::size_t i = 0; i < some; ++i) {
+        lowest[i] = highest[i] = n.x * x_[0][begin + i] + n.y * y_[0][begin + i] + n.z * z_[0][begin + i] - d;
       }
-      const int in_front = highest > in_plane_below, at_back = lowest < -in_plane_below;
-      front += in_front;
-      back += at_back;
-      cut += in_front & at_back;
+      for (std::uint32_t k = 1; k < corners; ++k) {
+        for (std::size_t i = 0; i < some; ++i) {
+          const float value = n.x * x_[k][begin + i] + n.y * y_[k][begin + i] + n.z * z_[k][begin + i] - d;
+          lowest[i] = value < lowest[i] ? value : lowest[i];
+          highest[i] = value > highest[i] ? value : highest[i];
+        }
+      }
+      int unsure = 0;
+      for (std::size_t i = 0; i < some; ++i) {
+        const int in_front = highest[i] > unsure_below, at_back = lowest[i] < -unsure_below;
+        const int is_sure = (in_front | static_cast<int>(highest[i] < -unsure_below)) &
+                            (at_back | static_cast<int>(lowest[i] > unsure_below));
+        unsure += 1 - is_sure;
+        front += in_front & is_sure;
+        back += at_back & is_sure;
+        cut += in_front & at_back;
+      }
+      if (unsure == 0) continue;
+      for (std::size_t i = 0; i < some; ++i) {
+        if (std::abs(highest[i]) > unsure_below && std::abs(lowest[i]) > unsure_below) continue;
+        int in_front = 0, at_back = 0;
+        for (const glm::dvec3& place : exact_[begin + i]) {
+          const double value = glm::dot(normal, place) - offset;
+          in_front |= static_cast<int>(value > in_plane_below);
+          at_back |= static_cast<int>(value < -in_plane_below);
+        }
+        front += in_front;
+        back += at_back;
+        cut += in_front & at_back;
+      }
     }
     const int in_plane = static_cast<int>(count_) - front - back + cut;
     if (in_plane == 0 && (front == cut || back == cut)) return INFINITY;
@@ -111,11 +138,17 @@ class Sample {
 
  private:
   static constexpr std::uint32_t corners = 4;
+  static constexpr std::size_t block = 64;  // what is computed at a time
+  static_assert(most_parts_sampled % block == 0);
+  static constexpr float unsure_below = 0x1p-18f;  // in float
+  static constexpr double in_plane_below = 0x1p-40;
 
   glm::dvec3 origin_{0};
   double scale_ = 1, all_ = 0;
   std::size_t count_ = 0;
-  double x_[corners][most_parts_sampled], y_[corners][most_parts_sampled], z_[corners][most_parts_sampled];
+  float x_[corners][most_parts_sampled] = {}, y_[corners][most_parts_sampled] = {},
+        z_[corners][most_parts_sampled] = {};
+  glm::dvec3 exact_[most_parts_sampled][corners] = {};
 };
 
 // Grows the nodes of one subtree, on points and pieces of its own that stand on those of a base.
