@@ -129,6 +129,7 @@ void compare_on_mesh(const InputMesh& mesh, const CompareOptions& options, const
   Agreement agreement;
 
   const std::vector<View> views = mesh_views(mesh, options);
+  std::vector<PreparedStrategy> prepared(options.strategies.size());
   for (int index = 0; index < view_count(options); ++index) {
     const std::string where =
         mesh.name + ", view " + std::to_string(index + 1) + " of " + std::to_string(views.size()) + ", ";
@@ -144,9 +145,11 @@ void compare_on_mesh(const InputMesh& mesh, const CompareOptions& options, const
     agreement.judged += in_view.judged;
     agreement.agreeing += in_view.agreeing;
 
-    for (const Strategy& strategy : options.strategies) {
+    for (std::size_t i = 0; i < options.strategies.size(); ++i) {
+      const Strategy& strategy = options.strategies[i];
       progress.show(where + strategy.name());
-      MeasuredStrategy measured = measure_strategy(mesh, strategy, refereed, static_cast<std::size_t>(options.repeats));
+      MeasuredStrategy measured =
+          measure_strategy(mesh, strategy, refereed, static_cast<std::size_t>(options.repeats), prepared[i]);
       measured.row.view = index;
       if (index == 0) comparison.pictures.push_back(write_pictures(folder, measured, refereed.reference));
       comparison.rows.push_back(std::move(measured.row));

@@ -123,7 +123,8 @@ Agreement compare_referees(const InputMesh& input, const RefereedView& refereed)
 }
 
 MeasuredStrategy measure_strategy(const InputMesh& input, const Strategy& strategy, const RefereedView& refereed,
-                                  std::size_t repeats) {
+                                  std::size_t repeats, PreparedStrategy& prepared) {
+  constexpr double long_ms = 300;
   MeasuredStrategy measured;
   Row& row = measured.row;
   row.mesh = input.name;
@@ -133,12 +134,16 @@ MeasuredStrategy measure_strategy(const InputMesh& input, const Strategy& strate
   row.strategy = strategy.name();
   if (strategy.kind == StrategyKind::facet_sort) row.method = method_name(strategy.method);
 
-  std::optional<StrategyRenderer> renderer;
-  row.prepare_ms = time_median([&] { renderer.emplace(input.mesh.view(), strategy); }, 1).median_ms;
-  measure_cost(*renderer, refereed, repeats, row, measured.picture);
+  if (!prepared.renderer) {
+    prepared.prepare_ms =
+        time_median([&] { prepared.renderer.emplace(input.mesh.view(), strategy); }, 1).median_ms;
+  }
+  row.prepare_ms = prepared.prepare_ms;
+  measure_cost(*prepared.renderer, refereed, repeats, row, measured.picture);
   judge(input, measured.picture, refereed, row);
-  judge_draw_order(input, *renderer, refereed, row);
-  row.miscovered_pixels = count_miscovered(*renderer, refereed);
+  judge_draw_order(input, *prepared.renderer, refereed, row);
+  row.miscovered_pixels = count_miscovered(*prepared.renderer, refereed);
+  if (prepared.prepare_ms < long_ms) prepared.renderer.reset();
   return measured;
 }
 

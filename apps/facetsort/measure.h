@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 
 #include "facetsort/blend/fragment_lists.h"
 #include "facetsort/blend/image.h"
@@ -38,9 +39,16 @@ struct MeasuredStrategy {
   Image picture;
 };
 
+// A strategy that took long to make ready for a mesh, for its next view.
+struct PreparedStrategy {
+  std::optional<StrategyRenderer> renderer;
+  double prepare_ms = 0;
+};
+
 // Draws `repeats` times, or as often as most_repeating_seconds allow, after an untimed first frame, whose allocations
-// are counted. Parallel in the caller's arena.
+// are counted. Makes the strategy ready unless that was done and took too long for its first allocations to show.
+// Parallel in the caller's arena.
 MeasuredStrategy measure_strategy(const InputMesh& input, const Strategy& strategy, const RefereedView& refereed,
-                                  std::size_t repeats);
+                                  std::size_t repeats, PreparedStrategy& prepared);
 
 }  // namespace facetsort
