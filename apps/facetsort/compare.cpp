@@ -231,7 +231,7 @@ Verb add_compare(CLI::App& program, const CommonOptions& common) {
       ->excludes(ortho);
   add_format_option(*command, options->format);
   add_count_option(*command, "--repeats", options->repeats, most_repeats,
-                   "Timed frames of each strategy in each view, after one that is not; fewer where they take over two seconds");
+                   "Timed frames of each strategy in each view, after one that is not; fewer where they take over a second");
   command->add_option("--out", options->output, "Folder of the report; made where it is missing")
       ->required()
       ->type_name("DIR");

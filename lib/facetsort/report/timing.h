@@ -11,7 +11,7 @@
 namespace facetsort {
 
 // What runs as long as this is not repeated again: its time is known well enough, and people wait.
-inline constexpr double most_repeating_seconds = 2;
+inline constexpr double most_repeating_seconds = 1;
 
 // Median of the samples and the distance between their quartiles, both interpolated between neighbours.
 // Precondition: at least one sample.
