@@ -12,15 +12,17 @@
 #include "facetsort/mesh/write.h"
 
 #include "facetsort/facets/facets.h"
+#include "facetsort/facets/pieces.h"
 
 #include "facetsort/order/method.h"
 #include "facetsort/order/key_sort.h"
 #include "facetsort/order/sorter.h"
 #include "facetsort/order/spatial_order.h"
+#include "facetsort/order/presorted_data.h"
 
 #include "facetsort/exact/predicates.h"
 #include "facetsort/exact/facts.h"
-#include "facetsort/exact/pieces.h"
+#include "facetsort/exact/plane_points.h"
 #include "facetsort/exact/exact_sorter.h"
 
 #include "facetsort/blend/view.h"

@@ -1,5 +1,5 @@
 // Pieces of facets on the blend target: what a facet covers, its pieces cover once.
-#include "facetsort/exact/pieces.h"
+#include "facetsort/facets/pieces.h"
 
 #include <gtest/gtest.h>
 
@@ -14,6 +14,7 @@
 #include "facetsort/blend/fragment_lists.h"
 #include "facetsort/blend/rasteriser.h"
 #include "facetsort/blend/shading.h"
+#include "facetsort/exact/plane_points.h"
 #include "facetsort/exact/predicates.h"
 #include "facetsort/report/allocations.h"
 #include "shapes.h"

@@ -6,6 +6,7 @@
 
 #include "facetsort/base/parallel.h"
 #include "facetsort/blend/facet_kernels.h"
+#include "facetsort/exact/plane_points.h"
 #include "facetsort/exact/predicates.h"
 
 namespace facetsort::blend_internal {

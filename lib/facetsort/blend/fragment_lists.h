@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "facetsort/blend/view.h"
-#include "facetsort/exact/pieces.h"
+#include "facetsort/facets/pieces.h"
 #include "facetsort/mesh/mesh_view.h"
 
 namespace facetsort {

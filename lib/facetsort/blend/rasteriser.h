@@ -8,7 +8,7 @@
 
 #include "facetsort/blend/image.h"
 #include "facetsort/blend/view.h"
-#include "facetsort/exact/pieces.h"
+#include "facetsort/facets/pieces.h"
 #include "facetsort/mesh/mesh_view.h"
 
 namespace facetsort {

@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "facetsort/exact/pieces.h"
+#include "facetsort/facets/pieces.h"
 #include "facetsort/mesh/mesh_view.h"
 #include "facetsort/order/sorter.h"
 

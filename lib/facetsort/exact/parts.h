@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "facetsort/exact/memory.h"
-#include "facetsort/exact/pieces.h"
 #include "facetsort/exact/points.h"
+#include "facetsort/facets/pieces.h"
 
 namespace facetsort::exact_internal {
 

@@ -8,6 +8,7 @@
 
 #include "facetsort/exact/integers.h"
 #include "facetsort/exact/plane_normal.h"
+#include "facetsort/exact/plane_points.h"
 #include "facetsort/exact/predicates.h"
 
 namespace facetsort::exact_internal {

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "facetsort/exact/memory.h"
-#include "facetsort/exact/pieces.h"
+#include "facetsort/facets/pieces.h"
 #include "facetsort/mesh/mesh_view.h"
 
 namespace facetsort::exact_internal {

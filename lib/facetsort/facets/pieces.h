@@ -6,9 +6,6 @@
 #include <glm/glm.hpp>
 #include <span>
 
-#include "facetsort/exact/predicates.h"
-#include "facetsort/mesh/mesh_view.h"
-
 namespace facetsort {
 
 // A plane through two vertices and a third point, not all on one line. The third is a vertex or, where the plane is a
@@ -22,17 +19,6 @@ struct CutPlane {
   bool is_join() const { return edge_end != none; }
   bool operator==(const CutPlane&) const = default;
 };
-
-inline PlanePoints points_of(const MeshView& mesh, const CutPlane& plane) {
-  const auto position = [&](std::uint32_t vertex) { return mesh.positions[vertex]; };
-  PlanePoints points{{position(plane.first), position(plane.second), position(plane.third)}};
-  if (plane.is_join()) {
-    points.is_join = true;
-    points.edge_end = position(plane.edge_end);
-    points.facet = {mesh.corner(plane.facet, 0), mesh.corner(plane.facet, 1), mesh.corner(plane.facet, 2)};
-  }
-  return points;
-}
 
 // One side of a plane: +1 the side that its normal (b - a) x (c - a) points to, -1 the other. A point in the plane
 // belongs to neither; what covers pixels decides such points by the top-left rule, which gives each to exactly one of
