@@ -30,7 +30,7 @@ class TreeOf {
         pieces_before_(pieces_.parts.size()),
         points_before_(points_.size()),
         planes_before_(points_.plane_count()),
-        tree_(build_order_tree(points_, pieces_, parts_, most_cuts)) {}
+        tree_(build_order_tree(points_, pieces_, parts_, {.most_cuts = most_cuts})) {}
   TreeOf(const TreeOf&) = delete;
 
   const std::optional<OrderTree>& tree() const { return tree_; }
@@ -176,7 +176,7 @@ TEST(OrderTree, OfNothingIsEmpty) {
   const PointSpace space = space_of(mesh.view());
   Points points(space);
   PartList pieces;
-  const std::optional<OrderTree> tree = build_order_tree(points, pieces, {}, 100);
+  const std::optional<OrderTree> tree = build_order_tree(points, pieces, {}, {.most_cuts = 100});
   ASSERT_TRUE(tree);
   EXPECT_TRUE(tree->nodes.empty());
 }

@@ -225,7 +225,8 @@ bool ExactSorter::State::prepare_tree(std::span<const std::uint32_t> drawn) {
   // A cut makes two parts of one and two corners that neighbours take part in: four triangles at most.
   const std::size_t limit = most_triangles();
   const std::size_t allowed = limit > prepared_triangles ? (limit - prepared_triangles) / 4 : 0;
-  tree = build_order_tree(points, parts, with_area, std::min(allowed, most_tree_cuts_per_part * with_area.size()));
+  tree = build_order_tree(points, parts, with_area,
+                          {.most_cuts = std::min(allowed, most_tree_cuts_per_part * with_area.size())});
   if (!tree) {
     without_area.clear();
     return false;

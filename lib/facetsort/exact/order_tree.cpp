@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "facetsort/base/parallel.h"
+#include "facetsort/exact/part_sample.h"
 #include "facetsort/exact/predicates.h"
 #include "facetsort/facets/facets.h"
 
@@ -16,11 +17,8 @@ namespace {
 // Subtrees are grown in parallel; there are about `most_subtrees`, each of `fewest_parts` or more but in small meshes.
 constexpr std::size_t most_subtrees = 64, fewest_parts = 2048;
 
-// Planes tried at a node, and the parts that they are tried on.
-constexpr std::size_t facet_planes_tried = 20, edge_planes_tried = 60, most_parts_sampled = 512;
-
-// What it costs to have a node, in cuts: higher means flatter trees with more cuts.
-constexpr double cost_of_node = 0.5;
+// Planes tried at a node, for each unit of effort.
+constexpr std::size_t facet_planes_tried = 20, edge_planes_tried = 100, moves_tried = 100;
 
 // A part while the tree is grown. Its corners are in the grower's places, in the mesh's frame.
 struct Item {
@@ -44,124 +42,18 @@ struct PlaneInFrame {
   double value(const glm::dvec3& p) const { return glm::dot(normal, p - origin); }
 };
 
-double entropy(double part, double all) {
-  return part > 0 ? part * std::log(all / part) : 0;
-}
-
-// Some of the parts of a node, rounded, by which planes are judged: a cost need not be exact. In arrays, so that the
-// compiler can vectorise.
-class Sample {
- public:
-  void take(const std::vector<Item>& items, const std::vector<glm::dvec3>& places) {
-    all_ = static_cast<double>(items.size());
-    glm::dvec3 lowest(INFINITY), highest(-INFINITY);
-    for (const Item& item : items) {
-      for (std::uint32_t i = 0; i < item.place_count; ++i) {
-        lowest = glm::min(lowest, places[item.first_place + i]);
-        highest = glm::max(highest, places[item.first_place + i]);
-      }
-    }
-    origin_ = (lowest + highest) / 2.0;
-    const glm::dvec3 extent = highest - lowest;
-    const double largest = std::max({extent.x, extent.y, extent.z});
-    scale_ = largest > 0 ? 1 / largest : 1;
-
-    const std::size_t step = (items.size() + most_parts_sampled - 1) / most_parts_sampled;
-    count_ = 0;
-    for (std::size_t i = 0; i < items.size(); i += step, ++count_) {
-      for (std::uint32_t k = 0; k < corners; ++k) {
-        // Of parts with more corners, some.
-        const std::uint32_t corner = items[i].place_count <= corners ? std::min(k, items[i].place_count - 1)
-                                                                     : k * items[i].place_count / corners;
-        const glm::dvec3 place = (places[items[i].first_place + corner] - origin_) * scale_;
-        exact_[count_][k] = place;
-        x_[k][count_] = static_cast<float>(place.x);
-        y_[k][count_] = static_cast<float>(place.y);
-        z_[k][count_] = static_cast<float>(place.z);
-      }
-    }
-  }
-
-  // Cuts for what the tree gains: the logarithm of the number of orders that the parts can still come in falls by about
-  // the entropy of how the plane distributes them. Infinite where it distributes nothing.
-  double cost(const PlaneInFrame& plane) const {
-    const double length = glm::length(plane.normal);
-    if (!(length > 0)) return INFINITY;
-    const glm::dvec3 normal = plane.normal / length;
-    const double offset = glm::dot(normal, (plane.origin - origin_) * scale_);
-    const glm::vec3 n(normal);
-    const auto d = static_cast<float>(offset);
-    int front = 0, back = 0, cut = 0;
-    for (std::size_t begin = 0; begin < count_; begin += block) {
-      float lowest[block], highest[block];
-      const std::size_t some = std::min(block, count_ - begin);
-      for (std::size_t i = 0; i < some; ++i) {
-        lowest[i] = highest[i] = n.x * x_[0][begin + i] + n.y * y_[0][begin + i] + n.z * z_[0][begin + i] - d;
-      }
-      for (std::uint32_t k = 1; k < corners; ++k) {
-        for (std::size_t i = 0; i < some; ++i) {
-          const float value = n.x * x_[k][begin + i] + n.y * y_[k][begin + i] + n.z * z_[k][begin + i] - d;
-          lowest[i] = value < lowest[i] ? value : lowest[i];
-          highest[i] = value > highest[i] ? value : highest[i];
-        }
-      }
-      int unsure = 0;
-      for (std::size_t i = 0; i < some; ++i) {
-        const int in_front = highest[i] > unsure_below, at_back = lowest[i] < -unsure_below;
-        const int is_sure = (in_front | static_cast<int>(highest[i] < -unsure_below)) &
-                            (at_back | static_cast<int>(lowest[i] > unsure_below));
-        unsure += 1 - is_sure;
-        front += in_front & is_sure;
-        back += at_back & is_sure;
-        cut += in_front & at_back;
-      }
-      if (unsure == 0) continue;
-      for (std::size_t i = 0; i < some; ++i) {
-        if (std::abs(highest[i]) > unsure_below && std::abs(lowest[i]) > unsure_below) continue;
-        int in_front = 0, at_back = 0;
-        for (const glm::dvec3& place : exact_[begin + i]) {
-          const double value = glm::dot(normal, place) - offset;
-          in_front |= static_cast<int>(value > in_plane_below);
-          at_back |= static_cast<int>(value < -in_plane_below);
-        }
-        front += in_front;
-        back += at_back;
-        cut += in_front & at_back;
-      }
-    }
-    const int in_plane = static_cast<int>(count_) - front - back + cut;
-    if (in_plane == 0 && (front == cut || back == cut)) return INFINITY;
-    const double scale = all_ / static_cast<double>(count_), all = (front + back + in_plane) * scale;
-    const double gain = entropy(front * scale, all) + entropy(back * scale, all) + in_plane * scale * std::log(all);
-    return gain > 0 ? (cut * scale + cost_of_node) / gain : INFINITY;
-  }
-
- private:
-  static constexpr std::uint32_t corners = 4;
-  static constexpr std::size_t block = 64;  // what is computed at a time
-  static_assert(most_parts_sampled % block == 0);
-  static constexpr float unsure_below = 0x1p-18f;  // in float
-  static constexpr double in_plane_below = 0x1p-40;
-
-  glm::dvec3 origin_{0};
-  double scale_ = 1, all_ = 0;
-  std::size_t count_ = 0;
-  float x_[corners][most_parts_sampled] = {}, y_[corners][most_parts_sampled] = {},
-        z_[corners][most_parts_sampled] = {};
-  glm::dvec3 exact_[most_parts_sampled][corners] = {};
-};
-
 // Grows the nodes of one subtree, on points and pieces of its own that stand on those of a base.
 class Grower {
  public:
-  Grower(const Points& base, const PartList& base_pieces, const FacetFrame& frame, std::size_t most_cuts)
+  Grower(const Points& base, const PartList& base_pieces, const FacetFrame& frame, const TreeOptions& options)
       : points_(&base),
         base_pieces_(base_pieces),
         frame_(frame),
         first_point_(base.size()),
         first_plane_(base.plane_count()),
         first_piece_(facets() + base_pieces.parts.size()),
-        most_cuts_(most_cuts) {}
+        most_cuts_(options.most_cuts),
+        effort_(options.effort) {}
   Grower(const Grower&) = delete;
 
   // Until what is left are jobs of at most `most_parts`, which are returned.
@@ -260,6 +152,7 @@ class Grower {
                     static_cast<std::uint32_t>(polygon.corners.size())};
     for (const PartCorner& corner : polygon.corners) {
       places_.push_back((points_.position(corner.point) - frame_.origin) * frame_.scale);
+      ids_.push_back(corner.point);
       point_error_ = std::max(point_error_, points_.error(corner.point) * frame_.scale);
     }
     return item;
@@ -295,53 +188,85 @@ class Grower {
   // Bit 0: has corners on the side of the normal; bit 1: on the other.
   unsigned sides(const PlaneInFrame& plane, PlaneId id, const Item& item) const {
     unsigned sides = 0;
-    std::optional<Polygon> polygon;
     for (std::uint32_t i = 0; i < item.place_count; ++i) {
       const double value = plane.value(places_[item.first_place + i]);
       int side = value > plane.error ? 1 : value < -plane.error ? -1 : 0;
-      if (side == 0) {
-        if (!polygon) polygon = polygon_of(item.part);
-        side = points_.side(id, polygon->corners[i].point);
-      }
+      if (side == 0) side = points_.side(id, ids_[item.first_place + i]);
       sides |= static_cast<unsigned>(side > 0) | static_cast<unsigned>(side < 0) << 1;
     }
     return sides;
   }
 
-  // Of planes of facets and planes through an edge of one facet and a vertex of another, the one of the least cost. A
-  // facet's plane is told by the facet, the others by their vertices.
-  CutPlane choose_plane(const std::vector<Item>& items, FacetId& facet) {
-    sample_.take(items, places_);
-    const MeshView& mesh = space().mesh;
-    double least = INFINITY;
-    CutPlane chosen{};
-    facet = items.front().facet;
-    const std::size_t facet_planes = std::min(items.size(), facet_planes_tried);
-    for (std::size_t i = 0; i < facet_planes; ++i) {
-      const FacetId tried = items[i * items.size() / facet_planes].facet;
-      const double found = sample_.cost(plane_of_facet(tried));
-      if (found >= least) continue;
-      least = found;
-      facet = tried;
+  void take_sample(const std::vector<Item>& items) {
+    glm::dvec3 lowest(INFINITY), highest(-INFINITY);
+    for (const Item& item : items) {
+      for (std::uint32_t i = 0; i < item.place_count; ++i) {
+        lowest = glm::min(lowest, places_[item.first_place + i]);
+        highest = glm::max(highest, places_[item.first_place + i]);
+      }
     }
-    const std::size_t edge_planes = std::min(4 * items.size(), edge_planes_tried);
+    sample_.begin(items.size(), lowest, highest);
+    // In an order in which the first of them stand for all.
+    const std::size_t step = (items.size() + PartSample::most_parts - 1) / PartSample::most_parts;
+    for (std::size_t phase = 0; phase < 8; ++phase) {
+      for (std::size_t i = phase * step; i < items.size(); i += 8 * step) {
+        const Item& item = items[i];
+        sample_.add(std::span(places_).subspan(item.first_place, item.place_count));
+      }
+    }
+  }
+
+  // A plane that may divide the parts of a node: that of a facet, or one through three vertices.
+  struct Choice {
+    CutPlane plane{};
+    FacetId facet = OrderTree::none;
+    double cost = INFINITY;
+  };
+
+  void try_plane(const CutPlane& plane, FacetId facet, Choice& best) const {
+    const PlaneInFrame in_frame = plane_of(plane);
+    const double cost = sample_.cost(in_frame.normal, in_frame.origin, best.cost);
+    if (cost < best.cost) best = {plane, facet, cost};
+  }
+
+  // The one of the least cost of some planes of facets, of some through an edge of one facet and a vertex of another,
+  // and of those that come of the best by moving one of its three vertices, along an edge of the mesh or anywhere.
+  Choice choose_plane(const std::vector<Item>& items) {
+    take_sample(items);
+    const MeshView& mesh = space().mesh;
     std::size_t state = items.size();
     const auto any = [&](std::size_t count) {  // the same numbers for the same parts
       state = state * 6364136223846793005u + 1442695040888963407u;
       return (state >> 33) % count;
     };
-    for (std::size_t i = 0; i < edge_planes; ++i) {
-      const glm::uvec3& first = mesh.triangles[items[i * items.size() / edge_planes].facet];
-      const glm::uvec3& second = mesh.triangles[items[any(items.size())].facet];
-      const auto edge = static_cast<int>(any(3));
-      const CutPlane tried{first[edge], first[(edge + 1) % 3], second[static_cast<int>(any(3))]};
-      const double found = sample_.cost(plane_of(tried));
-      if (found >= least) continue;
-      least = found;
-      facet = OrderTree::none;
-      chosen = tried;
+    const auto any_vertex = [&](FacetId facet) { return mesh.triangles[facet][static_cast<int>(any(3))]; };
+    Choice best;
+    const std::size_t facet_planes = std::min(items.size(), facet_planes_tried * effort_);
+    for (std::size_t i = 0; i < facet_planes; ++i) {
+      const FacetId facet = items[i * items.size() / facet_planes].facet;
+      try_plane(points_.plane(facet), facet, best);
     }
-    return chosen;
+    const std::size_t edge_planes = std::min(4 * items.size(), edge_planes_tried * effort_);
+    for (std::size_t i = 0; i < edge_planes; ++i) {
+      const glm::uvec3& edge_of = mesh.triangles[items[i * items.size() / edge_planes].facet];
+      const auto edge = static_cast<int>(any(3));
+      const PointId apart = any_vertex(items[any(items.size())].facet);
+      try_plane({edge_of[edge], edge_of[(edge + 1) % 3], apart}, OrderTree::none, best);
+    }
+    if (best.cost == INFINITY) return best;
+    const std::size_t moves = std::min(4 * items.size(), moves_tried * effort_);
+    for (std::size_t i = 0; i < moves; ++i) {
+      CutPlane moved = best.plane;
+      std::uint32_t& vertex = *std::array{&moved.first, &moved.second, &moved.third}[any(3)];
+      if (any(2) == 0) {
+        const std::span<const FacetId> around = space().facets_around(space().position_of_vertex[vertex]);
+        vertex = any_vertex(around[any(around.size())]);
+      } else {
+        vertex = any_vertex(items[any(items.size())].facet);
+      }
+      try_plane(moved, OrderTree::none, best);
+    }
+    return best;
   }
 
   bool spans_a_plane(const CutPlane& plane) const {
@@ -357,12 +282,14 @@ class Grower {
   void make_node(Job job, std::vector<Job>& jobs) {
     FacetId facet = job.items.front().facet;
     if (job.items.size() > 1) {
-      const CutPlane through = choose_plane(job.items, facet);
+      const Choice choice = choose_plane(job.items);
       // Rounding may mislead: three vertices may be on a line, or none of the parts in the plane or on one of its
       // sides.
-      if (facet == OrderTree::none) {
-        if (spans_a_plane(through) && distribute(job, plane_of(through), points_.add_plane(through), jobs)) return;
-        facet = job.items.front().facet;
+      if (choice.facet != OrderTree::none) {
+        facet = choice.facet;
+      } else if (choice.cost < INFINITY && spans_a_plane(choice.plane) &&
+                 distribute(job, plane_of(choice.plane), points_.add_plane(choice.plane), jobs)) {
+        return;
       }
     }
     const FacetId plane = space().plane_of_facet[facet];  // its normal may be the opposite
@@ -423,12 +350,13 @@ class Grower {
   Points points_;
   const PartList& base_pieces_;
   FacetFrame frame_;
-  std::size_t first_point_, first_plane_, first_piece_, most_cuts_;
+  std::size_t first_point_, first_plane_, first_piece_, most_cuts_, effort_;
   std::size_t plane_offset_ = 0, part_offset_ = 0, node_offset_ = 0;
   PartList pieces_;
   OrderTree tree_;
-  std::vector<glm::dvec3> places_;
-  Sample sample_;
+  std::vector<glm::dvec3> places_;  // of corners
+  std::vector<PointId> ids_;        // the same
+  PartSample sample_;
   std::vector<int> corner_sides_;  // scratch
   double point_error_ = 0;
 };
@@ -436,7 +364,7 @@ class Grower {
 }  // namespace
 
 std::optional<OrderTree> build_order_tree(Points& points, PartList& pieces, std::span<const std::uint32_t> parts,
-                                          std::size_t most_cuts) {
+                                          const TreeOptions& options) {
   const FacetFrame frame = facet_frame(facet_bounds(points.space().mesh));
   const std::size_t points_before = points.size(), planes_before = points.plane_count();
   const std::size_t pieces_before = pieces.parts.size();
@@ -445,7 +373,7 @@ std::optional<OrderTree> build_order_tree(Points& points, PartList& pieces, std:
   DistinctPoints distinct(points);
   distinct.know_all();
 
-  Grower top(points, pieces, frame, most_cuts);
+  Grower top(points, pieces, frame, options);
   const std::vector<Job> jobs = top.grow(parts, std::max(fewest_parts, parts.size() / most_subtrees));
   if (top.gave_up()) return std::nullopt;
   top.add_to(points, distinct, pieces, tree);
@@ -456,13 +384,13 @@ std::optional<OrderTree> build_order_tree(Points& points, PartList& pieces, std:
     for (std::size_t i = begin; i < end; ++i) {
       job_parts.clear();
       for (const Item& item : jobs[i].items) job_parts.push_back(top.added_part(item.part));
-      growers[i] = std::make_unique<Grower>(points, pieces, frame, most_cuts);
+      growers[i] = std::make_unique<Grower>(points, pieces, frame, options);
       growers[i]->grow(job_parts, 0);
     }
   });
   std::size_t cuts = tree.halvings.size();
   for (const std::unique_ptr<Grower>& grower : growers) cuts += grower->tree().halvings.size();
-  if (cuts > most_cuts) {
+  if (cuts > options.most_cuts) {
     pieces.truncate(pieces_before);
     points.truncate(points_before, planes_before);
     return std::nullopt;

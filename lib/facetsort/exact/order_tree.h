@@ -52,10 +52,15 @@ struct OrderTree {
   std::size_t memory_bytes() const { return bytes_of(nodes, members, halvings, subtrees); }
 };
 
+struct TreeOptions {
+  std::size_t most_cuts;
+  std::size_t effort = 1;  // planes tried at each node, in units: more time, fewer cuts
+};
+
 // Builds a tree over parts with area that do not cross. Halves are added to `pieces`, points and planes to `points`.
 // Nothing, and then nothing is added, where that would take more than `most_cuts`. Parallel in the caller's task arena;
 // the result does not depend on the thread count.
 std::optional<OrderTree> build_order_tree(Points& points, PartList& pieces, std::span<const std::uint32_t> parts,
-                                          std::size_t most_cuts);
+                                          const TreeOptions& options);
 
 }  // namespace facetsort::exact_internal

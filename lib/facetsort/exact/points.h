@@ -56,6 +56,10 @@ struct PointSpace {
   void find_facets_around();
 
   glm::vec3 position(PointId vertex) const { return mesh.positions[vertex]; }
+  // By position; of a vertex that stands for it.
+  std::span<const FacetId> facets_around(PointId vertex) const {
+    return std::span(around).subspan(around_begin[vertex], around_begin[vertex + 1] - around_begin[vertex]);
+  }
   PointId corner(FacetId facet, int i) const { return position_of_vertex[mesh.triangles[facet][i]]; }
 };
 

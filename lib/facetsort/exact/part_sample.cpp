@@ -1,0 +1,139 @@
+#include "facetsort/exact/part_sample.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "facetsort/exact/part_sample.cpp"
+#include <hwy/foreach_target.h>  // must come before highway.h
+#include <hwy/highway.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+HWY_BEFORE_NAMESPACE();
+namespace facetsort::exact_internal::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+// In the frame of the sample, whose coordinates are up to 1/2.
+constexpr double in_plane_below = 0x1p-40;
+
+using Coordinates = double[PartSample::most_corners][3][PartSample::most_parts];
+
+// No fused multiply-add: the same bits for every instruction set.
+SideCounts CountSides(const Coordinates& coordinates, std::size_t corners, std::size_t begin, std::size_t end,
+                      const glm::dvec3& normal, double offset) {
+  const hn::CappedTag<double, 8> tag;
+  const auto x = hn::Set(tag, normal.x), y = hn::Set(tag, normal.y), z = hn::Set(tag, normal.z);
+  const auto d = hn::Set(tag, offset);
+  const auto above = hn::Set(tag, in_plane_below), below = hn::Set(tag, -in_plane_below);
+  SideCounts counts;
+  for (std::size_t i = begin; i < end; i += hn::Lanes(tag)) {
+    const auto value = [&](std::size_t corner) HWY_ATTR {
+      const auto& place = coordinates[corner];
+      const auto sum =
+          hn::Add(hn::Add(hn::Mul(x, hn::Load(tag, place[0] + i)), hn::Mul(y, hn::Load(tag, place[1] + i))),
+                  hn::Mul(z, hn::Load(tag, place[2] + i)));
+      return hn::Sub(sum, d);
+    };
+    auto lowest = value(0), highest = lowest, nearest = hn::Abs(lowest);
+    for (std::size_t corner = 1; corner < corners; ++corner) {
+      const auto next = value(corner);
+      lowest = hn::Min(lowest, next);
+      highest = hn::Max(highest, next);
+      nearest = hn::Min(nearest, hn::Abs(next));
+    }
+    const auto some = hn::FirstN(tag, std::min(hn::Lanes(tag), end - i));
+    const auto in_front = hn::And(some, hn::Gt(highest, above)), at_back = hn::And(some, hn::Lt(lowest, below));
+    const auto cut = hn::And(in_front, at_back);
+    counts.front += static_cast<std::uint32_t>(hn::CountTrue(tag, in_front));
+    counts.back += static_cast<std::uint32_t>(hn::CountTrue(tag, at_back));
+    counts.cut += static_cast<std::uint32_t>(hn::CountTrue(tag, cut));
+    counts.cut_at_corner += static_cast<std::uint32_t>(hn::CountTrue(tag, hn::And(cut, hn::Le(nearest, above))));
+  }
+  return counts;
+}
+
+}  // namespace facetsort::exact_internal::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace facetsort::exact_internal {
+
+HWY_EXPORT(CountSides);
+
+namespace {
+
+// What it costs to have a node, and to cut a part through a corner, in cuts: a costlier node means flatter trees with
+// more cuts.
+constexpr double cost_of_node = 0.2, cost_at_corner = 0.75;
+
+// How much dearer a plane has to look on some of the parts to be given up.
+constexpr double far_above = 1.3;
+
+// Natural logarithms, rounded to what every mathematics library agrees on.
+const std::vector<double>& logarithms() {
+  static const std::vector<double> table = [] {
+    std::vector<double> logarithm(PartSample::most_parts * 2 + 1);
+    for (std::size_t i = 1; i < logarithm.size(); ++i) {
+      logarithm[i] = static_cast<float>(std::log(static_cast<double>(i)));
+    }
+    return logarithm;
+  }();
+  return table;
+}
+
+}  // namespace
+
+void PartSample::begin(std::size_t all, const glm::dvec3& lowest, const glm::dvec3& highest) {
+  all_ = static_cast<double>(all);
+  origin_ = (lowest + highest) / 2.0;
+  const glm::dvec3 extent = highest - lowest;
+  const double largest = std::max({extent.x, extent.y, extent.z});
+  scale_ = largest > 0 ? 1 / largest : 1;
+  count_ = 0;
+  corners_ = 3;
+}
+
+void PartSample::add(std::span<const glm::dvec3> part) {
+  if (part.size() > 3) corners_ = most_corners;
+  for (std::size_t i = 0; i < most_corners; ++i) {
+    const std::size_t corner =
+        part.size() <= most_corners ? std::min(i, part.size() - 1) : i * part.size() / most_corners;
+    const glm::dvec3 place = (part[corner] - origin_) * scale_;
+    for (int axis = 0; axis < 3; ++axis) coordinates_[i][axis][count_] = place[axis];
+  }
+  ++count_;
+}
+
+double PartSample::cost_of(const SideCounts& counts, std::size_t seen) const {
+  const std::vector<double>& logarithm = logarithms();
+  const auto in_plane = static_cast<std::uint32_t>(seen) - counts.front - counts.back + counts.cut;
+  if (in_plane == 0 && (counts.front == counts.cut || counts.back == counts.cut)) return INFINITY;
+  const double scale = all_ / static_cast<double>(seen);
+  const std::uint32_t all = counts.front + counts.back + in_plane;
+  double gain = counts.front * (logarithm[all] - logarithm[counts.front]) * (counts.front > 0) +
+                counts.back * (logarithm[all] - logarithm[counts.back]) * (counts.back > 0);
+  if (in_plane > 0) gain += in_plane * static_cast<float>(std::log(all * scale));
+  const double cuts = counts.cut - (1 - cost_at_corner) * counts.cut_at_corner;
+  return gain > 0 ? (cuts * scale + cost_of_node) / (gain * scale) : INFINITY;
+}
+
+double PartSample::cost(const glm::dvec3& normal, const glm::dvec3& origin, double least) const {
+  const double length = glm::length(normal);
+  if (!(length > 0)) return INFINITY;
+  const glm::dvec3 unit = normal / length;
+  const double offset = glm::dot(unit, (origin - origin_) * scale_);
+  SideCounts counts;
+  for (std::size_t seen = 0, next = 64; seen < count_; next *= 2) {
+    const std::size_t until = count_ < 2 * next ? count_ : next;
+    counts += HWY_DYNAMIC_DISPATCH(CountSides)(coordinates_, corners_, seen, until, unit, offset);
+    seen = until;
+    if (seen == count_) break;
+    const double found = cost_of(counts, seen);
+    if (found > far_above * least && found < INFINITY) return INFINITY;
+  }
+  return cost_of(counts, count_);
+}
+
+}  // namespace facetsort::exact_internal
+#endif  // HWY_ONCE
