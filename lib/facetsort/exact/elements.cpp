@@ -275,19 +275,16 @@ void find_outline_ids(const Points& points, const PartList& pieces, Elements& el
         const LineKey key = line_of_edge[elements.first_corner[i] + k];
         line[k] = static_cast<std::uint32_t>(std::lower_bound(lines.begin(), lines.end(), key) - lines.begin());
       }
-      const auto set = [&](OutlineIds& ids, int k, std::size_t corner, std::size_t next) {
-        ids.slot[k] = slots[corner];
-        ids.after[k] = line[corner];
-        ids.before[k] = line[(corner + count - 1) % count];
-        ids.edge[k] = next == (corner + 1) % count ? line[corner] : OutlineIds::no_line;
-      };
-      const std::uint32_t extra = elements.first_extra_patch[i];
-      OutlineIds* ids = count <= 4 ? &elements.outline_ids[i] : &elements.outline_ids[elements.count() + extra];
-      const std::size_t outlines = count <= 4 ? 1 : elements.first_extra_patch[i + 1] - extra;
-      for (std::size_t j = 0; j < outlines; ++j, ++ids) {
-        const std::size_t corner[4] = {0, 2 * j + 1, 2 * j + 2, std::min(2 * j + 3, count - 1)};
-        for (int k = 0; k < 4; ++k) set(*ids, k, corner[k], corner[(k + 1) % 4]);
-      }
+      for_each_patch(elements, static_cast<std::uint32_t>(i), [&](std::size_t outline, const auto& corners) {
+        OutlineIds& ids = elements.outline_ids[outline];
+        for (int k = 0; k < 4; ++k) {
+          const std::size_t corner = corners[k], next = corners[(k + 1) % 4];
+          ids.slot[k] = slots[corner];
+          ids.after[k] = line[corner];
+          ids.before[k] = line[(corner + count - 1) % count];
+          ids.edge[k] = next == (corner + 1) % count ? line[corner] : OutlineIds::no_line;
+        }
+      });
     }
   });
 }
