@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "exact/every_order.h"
 #include "exact/shrink.h"
 #include "facetsort/blend/fragment_lists.h"
 #include "facetsort/blend/rasteriser.h"
@@ -321,12 +322,6 @@ constexpr Family families[] = {
     {"Anything", anything},        {"OnALattice", on_a_lattice}, {"AroundFewVertices", around_few_vertices},
     {"Needles", needles},          {"OfAllSizes", of_all_sizes}, {"PushedTogether", pushed_together},
     {"InFewPlanes", in_few_planes}};
-
-std::string name_of(OrderFrom from) {
-  return from == OrderFrom::pairs ? "Pairs" : from == OrderFrom::tree ? "Tree" : "TreePieces";
-}
-
-constexpr OrderFrom every_order[] = {OrderFrom::pairs, OrderFrom::tree, OrderFrom::tree_pieces};
 
 class RandomMeshes : public testing::TestWithParam<std::tuple<Family, OrderFrom>> {};
 INSTANTIATE_TEST_SUITE_P(Families, RandomMeshes,

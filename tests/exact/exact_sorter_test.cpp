@@ -3,7 +3,6 @@
 #include "facetsort/exact/exact_sorter.h"
 
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include <algorithm>
 #include <array>
@@ -13,11 +12,13 @@
 #include <numeric>
 #include <string>
 
+#include "exact/every_order.h"
 #include "facetsort/exact/facts.h"
 #include "facetsort/exact/predicates.h"
 #include "facetsort/facets/facets.h"
 #include "facetsort/report/allocations.h"
 #include "shapes.h"
+#include "support/instruction_sets.h"
 #include "support/mesh_files.h"
 #include "support/threads.h"
 
@@ -106,10 +107,6 @@ std::uint64_t hash_of(ExactSorter& sorter, const Mesh& mesh, const SortView& vie
     for (int i = 0; i < 3; ++i) hash.add(std::bit_cast<std::uint32_t>(vertex.position[i]));
   }
   return hash.value();
-}
-
-std::string order_from_name(OrderFrom from) {
-  return from == OrderFrom::pairs ? "Pairs" : from == OrderFrom::tree ? "Tree" : "TreePieces";
 }
 
 std::vector<std::uint64_t> hashes_of(const Mesh& mesh, OrderFrom from) {
@@ -261,9 +258,8 @@ class TrianglesOfFacets {
 };
 
 class EveryOrder : public testing::TestWithParam<OrderFrom> {};
-INSTANTIATE_TEST_SUITE_P(ExactSorter, EveryOrder,
-                         testing::Values(OrderFrom::pairs, OrderFrom::tree, OrderFrom::tree_pieces),
-                         [](const auto& from) { return order_from_name(from.param); });
+INSTANTIATE_TEST_SUITE_P(ExactSorter, EveryOrder, testing::ValuesIn(every_order),
+                         [](const auto& from) { return name_of(from.param); });
 
 TEST_P(EveryOrder, GivesTrianglesThatAreTheMeshWithoutCracks) {
   for (const auto& [name, mesh] : meshes()) {
@@ -337,15 +333,7 @@ TEST_P(EveryOrder, SameOrderForAnyThreadCount) {
 
 TEST_P(EveryOrder, SameOrderForAnyInstructionSet) {
   const auto expected = hashes_of_all(GetParam());
-  int tried = 0;
-  for (auto remaining = hwy::SupportedTargets(); remaining != 0; remaining &= remaining - 1) {
-    hwy::SetSupportedTargetsForTest(remaining & ~(remaining - 1));
-    hwy::GetChosenTarget().DeInit();
-    EXPECT_EQ(hashes_of_all(GetParam()), expected);
-    ++tried;
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().DeInit();
+  const int tried = for_each_instruction_set([&] { EXPECT_EQ(hashes_of_all(GetParam()), expected); });
   EXPECT_GE(tried, 1);
 }
 

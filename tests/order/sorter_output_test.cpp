@@ -1,7 +1,6 @@
 // What a renderer asks of a Sorter: index buffers, ranges, culling, new positions; and that the order is one and the
 // same for every instruction set and thread count.
 #include <gtest/gtest.h>
-#include <hwy/targets.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +13,7 @@
 #include "facetsort/report/allocations.h"
 #include "order/uneven_meshes.h"
 #include "shapes.h"
+#include "support/instruction_sets.h"
 #include "support/mesh_files.h"
 #include "support/threads.h"
 
@@ -109,15 +109,7 @@ std::uint64_t hash_of_everything() {
 
 TEST(SorterOutput, SameOrderForAnyInstructionSetAndThreadCount) {
   const std::uint64_t expected = hash_of_everything();
-  int tried = 0;
-  for (auto remaining = hwy::SupportedTargets(); remaining != 0; remaining &= remaining - 1) {
-    hwy::SetSupportedTargetsForTest(remaining & ~(remaining - 1));
-    hwy::GetChosenTarget().DeInit();
-    EXPECT_EQ(hash_of_everything(), expected) << hwy::TargetName(remaining & ~(remaining - 1));
-    ++tried;
-  }
-  hwy::SetSupportedTargetsForTest(0);
-  hwy::GetChosenTarget().DeInit();
+  const int tried = for_each_instruction_set([&] { EXPECT_EQ(hash_of_everything(), expected); });
   EXPECT_GE(tried, 2) << "the baseline and another";
   for (const int threads : {1, 2, 3, 8}) {
     with_threads(threads, [&] { EXPECT_EQ(hash_of_everything(), expected) << threads << " threads"; });

@@ -6,17 +6,21 @@
 
 namespace facetsort {
 
+// Returns how many there are.
 template <typename Body>
-void for_each_instruction_set(const Body& body) {
+int for_each_instruction_set(const Body& body) {
+  int tried = 0;
   for (auto remaining = hwy::SupportedTargets(); remaining != 0; remaining &= remaining - 1) {
     const auto target = remaining & ~(remaining - 1);
     SCOPED_TRACE(hwy::TargetName(target));
     hwy::SetSupportedTargetsForTest(target);
     hwy::GetChosenTarget().DeInit();
     body();
+    ++tried;
   }
   hwy::SetSupportedTargetsForTest(0);
   hwy::GetChosenTarget().DeInit();
+  return tried;
 }
 
 }  // namespace facetsort

@@ -20,19 +20,16 @@ HWY_BEFORE_NAMESPACE();
 namespace facetsort::blend_internal::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// What is worked on at a time: corners are first gathered, then all is done in whole vectors.
-constexpr std::size_t facets_lit_at_once = 64;
-
-using LightTag = hn::CappedTag<double, facets_lit_at_once>;
+using LightTag = hn::CappedTag<double, facets_per_block>;
 using Lights = hn::VFromD<LightTag>;
-using ColourTag = hn::CappedTag<float, facets_lit_at_once>;
+using ColourTag = hn::CappedTag<float, facets_per_block>;
 using ColourFloats = hn::VFromD<ColourTag>;
 
 struct CornerPositions {
-  HWY_ALIGN float coordinate[3][3][facets_lit_at_once];  // of a corner: x, y, z
+  HWY_ALIGN float coordinate[3][3][facets_per_block];  // of a corner: x, y, z
 
   void gather(const MeshView& mesh, std::size_t first, std::size_t count) {
-    for (std::size_t k = 0; k < facets_lit_at_once; ++k) {
+    for (std::size_t k = 0; k < facets_per_block; ++k) {
       const glm::uvec3& triangle = mesh.triangles[first + std::min(k, count - 1)];
       for (int corner = 0; corner < 3; ++corner) {
         const glm::vec3& position = mesh.positions[triangle[corner]];
@@ -45,7 +42,7 @@ struct CornerPositions {
 struct DoubleVec3 {
   Lights x, y, z;
 
-  static HWY_INLINE DoubleVec3 load(const float (&coordinate)[3][facets_lit_at_once], std::size_t k) {
+  static HWY_INLINE DoubleVec3 load(const float (&coordinate)[3][facets_per_block], std::size_t k) {
     const LightTag d;
     const hn::Rebind<float, LightTag> df;
     const auto axis = [&](int i) HWY_ATTR { return hn::PromoteTo(d, hn::Load(df, coordinate[i] + k)); };
@@ -132,11 +129,11 @@ void ColourFacets(const MeshView& mesh, const glm::vec4& homogeneous_eye, std::s
   const ColourTag d;
   const glm::dvec4 eye(homogeneous_eye);
   CornerPositions corners;
-  HWY_ALIGN float lights[facets_lit_at_once];
-  glm::vec4 straight_copy[facets_lit_at_once] = {}, lit_copy[facets_lit_at_once];
-  for (std::size_t first = begin; first < end; first += facets_lit_at_once, colours += facets_lit_at_once) {
-    const std::size_t count = std::min(facets_lit_at_once, end - first);
-    const bool is_whole = count == facets_lit_at_once;
+  HWY_ALIGN float lights[facets_per_block];
+  glm::vec4 straight_copy[facets_per_block] = {}, lit_copy[facets_per_block];
+  for (std::size_t first = begin; first < end; first += facets_per_block, colours += facets_per_block) {
+    const std::size_t count = std::min(facets_per_block, end - first);
+    const bool is_whole = count == facets_per_block;
     corners.gather(mesh, first, count);
     for (std::size_t k = 0; k < count; k += hn::Lanes(LightTag())) light_vector(corners, eye, k, lights);
 

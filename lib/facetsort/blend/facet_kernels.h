@@ -59,6 +59,9 @@ inline float grid_error(float extents) {
   return extents * (grid_error_of_extents + extents * grid_error_of_square);
 }
 
+// Facets that a kernel works on at a time: corners are first gathered, then all is done in whole vectors.
+inline constexpr std::size_t facets_per_block = 64;
+
 // Writes vertices and grid points from `begin` to before `end`; all else of `projected` must be there.
 void project_vertices(ProjectedMesh& projected, std::size_t begin, std::size_t end);
 

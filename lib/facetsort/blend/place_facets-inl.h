@@ -23,9 +23,6 @@ HWY_BEFORE_NAMESPACE();
 namespace facetsort::blend_internal::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// What is worked on at a time: corners are first gathered, then all is done in whole vectors.
-constexpr std::size_t facets_per_block = 64;
-
 using GridFloatTag = hn::CappedTag<float, facets_per_block>;
 using GridTag = hn::RebindToSigned<GridFloatTag>;
 using SquareTag = hn::RebindToUnsigned<GridFloatTag>;

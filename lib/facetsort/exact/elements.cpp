@@ -77,7 +77,8 @@ class Builder {
   Elements build(std::span<const std::uint32_t> parts, bool with_fans) {
     elements_.frame = facet_frame(facet_bounds(mesh_));
     lay_out(parts);
-    find_fans(with_fans);
+    elements_.fan_begin.assign(elements_.slot_point.size() + 1, 0);
+    if (with_fans) find_fans();
     return std::move(elements_);
   }
 
@@ -144,7 +145,7 @@ class Builder {
     });
   }
 
-  void find_fans(bool with_fans) {
+  void find_fans() {
     Elements& e = elements_;
     const std::size_t slots = e.slot_point.size();
     std::vector<std::uint32_t> begin(slots + 1), around(e.corner_slot.size());
@@ -157,17 +158,15 @@ class Builder {
     std::vector<unsigned char> simple(slots);
     parallel_ranges(slots, elements_per_task, [&](std::size_t first, std::size_t last) {
       for (std::size_t slot = first; slot < last; ++slot) {
-        simple[slot] =
-            with_fans && is_simple_fan(static_cast<std::uint32_t>(slot),
-                                       std::span(around).subspan(begin[slot], begin[slot + 1] - begin[slot]));
+        simple[slot] = is_simple_fan(static_cast<std::uint32_t>(slot),
+                                     std::span(around).subspan(begin[slot], begin[slot + 1] - begin[slot]));
       }
     });
-    e.fan_begin.assign(1, 0);
     for (std::size_t slot = 0; slot < slots; ++slot) {
       if (simple[slot]) {
         e.fan_element.insert(e.fan_element.end(), around.begin() + begin[slot], around.begin() + begin[slot + 1]);
       }
-      e.fan_begin.push_back(static_cast<std::uint32_t>(e.fan_element.size()));
+      e.fan_begin[slot + 1] = static_cast<std::uint32_t>(e.fan_element.size());
     }
   }
 
@@ -275,19 +274,16 @@ void find_outline_ids(const Points& points, const PartList& pieces, Elements& el
         const LineKey key = line_of_edge[elements.first_corner[i] + k];
         line[k] = static_cast<std::uint32_t>(std::lower_bound(lines.begin(), lines.end(), key) - lines.begin());
       }
-      const auto set = [&](OutlineIds& ids, int k, std::size_t corner, std::size_t next) {
-        ids.slot[k] = slots[corner];
-        ids.after[k] = line[corner];
-        ids.before[k] = line[(corner + count - 1) % count];
-        ids.edge[k] = next == (corner + 1) % count ? line[corner] : OutlineIds::no_line;
-      };
-      const std::uint32_t extra = elements.first_extra_patch[i];
-      OutlineIds* ids = count <= 4 ? &elements.outline_ids[i] : &elements.outline_ids[elements.count() + extra];
-      const std::size_t outlines = count <= 4 ? 1 : elements.first_extra_patch[i + 1] - extra;
-      for (std::size_t j = 0; j < outlines; ++j, ++ids) {
-        const std::size_t corner[4] = {0, 2 * j + 1, 2 * j + 2, std::min(2 * j + 3, count - 1)};
-        for (int k = 0; k < 4; ++k) set(*ids, k, corner[k], corner[(k + 1) % 4]);
-      }
+      for_each_patch(elements, static_cast<std::uint32_t>(i), [&](std::size_t outline, const auto& corners) {
+        OutlineIds& ids = elements.outline_ids[outline];
+        for (int k = 0; k < 4; ++k) {
+          const std::size_t corner = corners[k], next = corners[(k + 1) % 4];
+          ids.slot[k] = slots[corner];
+          ids.after[k] = line[corner];
+          ids.before[k] = line[(corner + count - 1) % count];
+          ids.edge[k] = next == (corner + 1) % count ? line[corner] : OutlineIds::no_line;
+        }
+      });
     }
   });
 }

@@ -2,6 +2,9 @@
 // the view.
 #pragma once
 
+#include <algorithm>
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <span>
@@ -60,6 +63,20 @@ struct Elements {
 // `parts`: the draw ids of all elements, in their order. Fans are only found where no facets cross.
 Elements make_elements(const Points& points, const PartList& pieces, const std::vector<unsigned char>& degenerate,
                        std::span<const std::uint32_t> parts, bool with_fans);
+
+// Calls visit(patch, corners) for each patch, or outline, of an element: its place among those of all elements, and
+// which four of the element's corners it has, the last of a triangle twice. Of more than four corners there are
+// several, a fan around the first corner.
+template <typename Visit>
+void for_each_patch(const Elements& elements, std::uint32_t element, const Visit& visit) {
+  const std::size_t count = elements.slots(element).size();
+  const auto corners = [&](std::size_t j) {
+    return std::array<std::size_t, 4>{0, 2 * j + 1, 2 * j + 2, std::min(2 * j + 3, count - 1)};
+  };
+  if (count <= 4) return visit(std::size_t{element}, corners(0));
+  const std::uint32_t first = elements.first_extra_patch[element], last = elements.first_extra_patch[element + 1];
+  for (std::uint32_t extra = first; extra < last; ++extra) visit(elements.count() + extra, corners(extra - first));
+}
 
 // Fills in outline_ids.
 void find_outline_ids(const Points& points, const PartList& pieces, Elements& elements);

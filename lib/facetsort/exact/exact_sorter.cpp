@@ -44,11 +44,18 @@ constexpr std::size_t facets_per_task = 4096;
 // Beyond this a tree costs more than it saves.
 constexpr std::size_t most_tree_cuts_per_part = 8;
 
-using Clock = std::chrono::steady_clock;
+class Stopwatch {
+ public:
+  // Milliseconds since it was made, or since the last lap.
+  double lap() {
+    const Clock::time_point now = Clock::now();
+    return std::chrono::duration<double, std::milli>(now - std::exchange(start_, now)).count();
+  }
 
-double milliseconds_since(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point start_ = Clock::now();
+};
 
 // One id for all facets that lie in one plane, as the two halves of a quad do: the smallest of them. Candidates are
 // facets whose planes agree in double to some digits; which of these coincide is decided exactly.
@@ -150,6 +157,8 @@ struct ExactSorter::State {
   void prepare();
   bool prepare_tree(std::span<const std::uint32_t> drawn);
   void forget_last_view();
+  void order_from_tree(const Eye& eye);
+  void order_from_pairs(const Eye& eye);
   void walk();
   void add_cycle(std::span<const std::uint32_t> ranks);
   void fill_in_cycles();
@@ -195,7 +204,7 @@ std::size_t ExactSorter::State::most_triangles() const {
 }
 
 void ExactSorter::State::prepare() {
-  const Clock::time_point start = Clock::now();
+  Stopwatch stopwatch;
   PartedFacets parted = part_crossing_facets(points, degenerate, most_triangles());
   parts = std::move(parted.pieces);
   statistics.crossing_pairs = parted.crossing_pairs;
@@ -213,7 +222,7 @@ void ExactSorter::State::prepare() {
   for (const Part& part : parts.parts) pieces.push_back(piece_of(part));
   order = filled_order = std::move(drawn);
   prepared_bytes = bytes_held();
-  statistics.prepare_ms = milliseconds_since(start);
+  statistics.prepare_ms = stopwatch.lap();
 }
 
 // Builds the tree, and elements in its order, or returns false.
@@ -361,6 +370,48 @@ void ExactSorter::State::fill_in_cycles() {
   filled_order.reserve(order.capacity());  // so that either will do for the next view
 }
 
+void ExactSorter::State::order_from_tree(const Eye& eye) {
+  Stopwatch stopwatch;
+  order.assign(without_area.begin(), without_area.end());
+  if (options.from == OrderFrom::tree_pieces) {
+    read_pieces(tree_walk, eye, order);
+    statistics.view_cuts = statistics.tree_cuts;  // the same pieces from everywhere, and as many triangles
+  } else {
+    screen.look(points, elements, eye, keys);
+    statistics.project_ms = stopwatch.lap();
+    const Relation relation(points, parts, elements, screen);
+    rejoined_order.find(tree_walk, relation, screen, elements, order);
+    const RejoiningCounts& counts = rejoined_order.counts();
+    statistics.candidate_pairs = counts.candidate_pairs;
+    statistics.searches = counts.tried;
+    statistics.predicate_fallbacks = counts.fallbacks;
+    statistics.rejoined_cuts = counts.rejoined;
+    statistics.view_cuts = statistics.tree_cuts - statistics.rejoined_cuts;
+    triangles_counted = false;
+  }
+  statistics.order_ms = stopwatch.lap();
+}
+
+void ExactSorter::State::order_from_pairs(const Eye& eye) {
+  Stopwatch stopwatch;
+  screen.look(points, elements, eye, keys);
+  const Relation relation(points, parts, elements, screen);
+  screen.prepare_search(elements);
+  statistics.project_ms = stopwatch.lap();
+  precedence.find(relation, screen, elements, key_sort.sort(keys));
+  statistics.candidate_pairs = precedence.candidate_pairs();
+  statistics.constraints = precedence.broken();
+  statistics.searches = precedence.searches();
+  statistics.predicate_fallbacks = precedence.fallbacks();
+  statistics.pairs_ms = stopwatch.lap();
+  walk();
+  statistics.order_ms = stopwatch.lap();
+  fill_in_cycles();
+  statistics.cut_ms = stopwatch.lap();
+  triangles_counted = statistics.view_cuts == 0;
+  statistics.triangles = prepared_triangles;
+}
+
 OrderFrom order_from(Method method) {
   return method == Method::exact        ? OrderFrom::pairs
          : method == Method::exact_tree ? OrderFrom::tree
@@ -378,53 +429,13 @@ ExactSorter::~ExactSorter() = default;
 
 std::span<const std::uint32_t> ExactSorter::sort(const SortView& view) {
   State& state = *state_;
-  ExactStatistics& statistics = state.statistics;
   state.forget_last_view();
-
-  Clock::time_point start = Clock::now();
-  const auto lap = [&](double& milliseconds) {
-    milliseconds = milliseconds_since(start);
-    start = Clock::now();
-  };
   if (state.tree) {
-    state.order.assign(state.without_area.begin(), state.without_area.end());
-    if (state.options.from == OrderFrom::tree_pieces) {
-      read_pieces(state.tree_walk, view.eye, state.order);
-      statistics.view_cuts = statistics.tree_cuts;  // the same pieces from everywhere, and as many triangles
-    } else {
-      state.screen.look(state.points, state.elements, view.eye, state.keys);
-      lap(statistics.project_ms);
-      const Relation relation(state.points, state.parts, state.elements, state.screen);
-      state.rejoined_order.find(state.tree_walk, relation, state.screen, state.elements, state.order);
-      const RejoiningCounts& counts = state.rejoined_order.counts();
-      statistics.candidate_pairs = counts.candidate_pairs;
-      statistics.searches = counts.tried;
-      statistics.predicate_fallbacks = counts.fallbacks;
-      statistics.rejoined_cuts = counts.rejoined;
-      statistics.view_cuts = statistics.tree_cuts - statistics.rejoined_cuts;
-      state.triangles_counted = false;
-    }
-    lap(statistics.order_ms);
-    statistics.pieces = state.order.size();
-    return state.order;
+    state.order_from_tree(view.eye);
+  } else {
+    state.order_from_pairs(view.eye);
   }
-  state.screen.look(state.points, state.elements, view.eye, state.keys);
-  const Relation relation(state.points, state.parts, state.elements, state.screen);
-  state.screen.prepare_search(state.elements);
-  lap(statistics.project_ms);
-  state.precedence.find(relation, state.screen, state.elements, state.key_sort.sort(state.keys));
-  statistics.candidate_pairs = state.precedence.candidate_pairs();
-  statistics.constraints = state.precedence.broken();
-  statistics.searches = state.precedence.searches();
-  statistics.predicate_fallbacks = state.precedence.fallbacks();
-  lap(statistics.pairs_ms);
-  state.walk();
-  lap(statistics.order_ms);
-  state.fill_in_cycles();
-  lap(statistics.cut_ms);
-  statistics.pieces = state.order.size();
-  state.triangles_counted = statistics.view_cuts == 0;
-  statistics.triangles = state.prepared_triangles;
+  state.statistics.pieces = state.order.size();
   return state.order;
 }
 

@@ -17,12 +17,10 @@ namespace facetsort {
 // What the order of each view is found from.
 enum class OrderFrom {
   // Pairs of facets that overlap on the screen, and cuts of what hides each other in cycles: few pieces, and nothing
-  // but
-  // facets that intersect has to be looked at before the first view.
+  // but facets that intersect has to be looked at before the first view.
   pairs,
   // A tree of planes over all facets, built once (a binary space partition). What its planes cut is put together again
-  // as
-  // far as the view allows. For meshes with many intersections and cycles, in positions that stay.
+  // as far as the view allows. For meshes with many intersections and cycles, in positions that stay.
   tree,
   // The same tree, and facets left in the pieces that it cuts: by far the fastest, with the most pieces.
   tree_pieces,

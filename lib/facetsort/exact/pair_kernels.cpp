@@ -10,6 +10,7 @@
 #include <cstring>
 #include <limits>
 #include <optional>
+#include <type_traits>
 #include <utility>
 
 HWY_BEFORE_NAMESPACE();
@@ -26,34 +27,19 @@ HWY_INLINE unsigned bits_of(Tag tag, Mask mask) {
   return bits[0];
 }
 
-// Bit i: box i of the block overlaps `box` on the screen and in `dimension`.
-template <BoxDimension dimension>
-HWY_INLINE unsigned overlapping(const BoxBlock& block, const ScreenBox& box) {
+// Bit i: box i of the block overlaps `box` on the screen, and in the dimensions `beyond` it.
+template <BoxDimension... beyond, class Block>
+HWY_INLINE unsigned overlapping(const Block& block, const ScreenBox& box) {
+  static_assert(((beyond < std::extent_v<decltype(block.lowest)>)&&...), "a dimension that the boxes do not have");
   const Floats tag;
   unsigned result = 0;
-  for (std::size_t at = 0; at < BoxBlock::size; at += hn::Lanes(tag)) {
-    const auto overlap_in = [&](std::size_t d) HWY_ATTR {
-      return hn::And(hn::Le(hn::Load(tag, block.lowest[d] + at), hn::Set(tag, box.highest[d])),
-                     hn::Le(hn::Set(tag, box.lowest[d]), hn::Load(tag, block.highest[d] + at)));
-    };
-    auto all = overlap_in(dimension);
-    for (const std::size_t d : {across, down, diagonal, other_diagonal}) all = hn::And(all, overlap_in(d));
-    result |= bits_of(tag, all) << at;
-  }
-  return result;
-}
-
-// The same on the screen alone.
-HWY_INLINE unsigned overlapping(const PlaceBlock& block, const ScreenBox& box) {
-  const Floats tag;
-  unsigned result = 0;
-  for (std::size_t at = 0; at < PlaceBlock::size; at += hn::Lanes(tag)) {
-    const auto overlap_in = [&](std::size_t d) HWY_ATTR {
+  for (std::size_t at = 0; at < Block::size; at += hn::Lanes(tag)) {
+    const auto overlap_in = [&](BoxDimension d) HWY_ATTR {
       return hn::And(hn::Le(hn::Load(tag, block.lowest[d] + at), hn::Set(tag, box.highest[d])),
                      hn::Le(hn::Set(tag, box.lowest[d]), hn::Load(tag, block.highest[d] + at)));
     };
     auto all = overlap_in(across);
-    for (const std::size_t d : {down, diagonal, other_diagonal}) all = hn::And(all, overlap_in(d));
+    for (const BoxDimension d : {down, diagonal, other_diagonal, beyond...}) all = hn::And(all, overlap_in(d));
     result |= bits_of(tag, all) << at;
   }
   return result;

@@ -197,35 +197,32 @@ void Screen::place_patches(const Elements& elements, std::uint32_t element) {
   Patch& own = patches_[element];
   if (facing == 0) {
     own.corner[0].slot = Patch::unknown;
-  } else if (count <= 4) {
-    for (std::size_t k = 0; k < 4; ++k) own.corner[k] = corner(std::min(k, count - 1));
-  } else {
+    return;
+  }
+  for_each_patch(elements, element, [&](std::size_t patch, const auto& corners) {
+    for (int k = 0; k < 4; ++k) patches_[patch].corner[k] = corner(corners[k]);
+  });
+  if (count > 4) {
     const std::uint32_t first = elements.first_extra_patch[element];
     own.corner[0].slot = Patch::several;
     own.corner[1].slot = static_cast<std::uint32_t>(elements.count()) + first;
     own.corner[2].slot = elements.first_extra_patch[element + 1] - first;
-    for (std::uint32_t i = 0; i < own.corner[2].slot; ++i) {
-      Patch& patch = patches_[own.corner[1].slot + i];
-      patch.corner[0] = corner(0);
-      for (std::size_t k = 1; k < 4; ++k) patch.corner[k] = corner(std::min(2 * i + k, count - 1));
-    }
   }
 }
 
-// As find_outline_ids() lays them out.
 void Screen::place_outlines(const Elements& elements, std::uint32_t element) {
   const auto slots = elements.slots(element);
-  const std::size_t count = slots.size();
-  const std::uint32_t extra = elements.first_extra_patch[element];
-  OutlinePlaces* places = &outline_places_[count <= 4 ? element : elements.count() + extra];
-  if (count > 4) outline_places_[element].x[0] = seen_[slots[0]].x, outline_places_[element].y[0] = seen_[slots[0]].y;
-  const std::size_t outlines = count <= 4 ? 1 : elements.first_extra_patch[element + 1] - extra;
-  for (std::size_t j = 0; j < outlines; ++j, ++places) {
-    const std::size_t corner[4] = {0, 2 * j + 1, 2 * j + 2, std::min(2 * j + 3, count - 1)};
+  for_each_patch(elements, element, [&](std::size_t outline, const auto& corners) {
+    OutlinePlaces& places = outline_places_[outline];
     for (int k = 0; k < 4; ++k) {
-      places->x[k] = seen_[slots[corner[k]]].x;
-      places->y[k] = seen_[slots[corner[k]]].y;
+      const SeenPoint& p = seen_[slots[corners[k]]];
+      places.x[k] = p.x;
+      places.y[k] = p.y;
     }
+  });
+  if (slots.size() > 4) {  // the origin of comparisons with its several outlines
+    outline_places_[element].x[0] = seen_[slots[0]].x;
+    outline_places_[element].y[0] = seen_[slots[0]].y;
   }
 }
 
