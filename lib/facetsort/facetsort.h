@@ -24,6 +24,7 @@
 #include "facetsort/exact/facts.h"
 #include "facetsort/exact/plane_points.h"
 #include "facetsort/exact/exact_sorter.h"
+#include "facetsort/exact/presort.h"
 
 #include "facetsort/blend/view.h"
 #include "facetsort/blend/shading.h"

@@ -9,26 +9,23 @@
 
 #include <tbb/combinable.h>
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <numeric>
 #include <optional>
 #include <utility>
 
 #include "facetsort/base/parallel.h"
-#include "facetsort/exact/crossings.h"
 #include "facetsort/exact/cycles.h"
 #include "facetsort/exact/elements.h"
 #include "facetsort/exact/hiding_graph.h"
 #include "facetsort/exact/order_tree.h"
-#include "facetsort/exact/positions.h"
+#include "facetsort/exact/parted_mesh.h"
 #include "facetsort/exact/precedence.h"
 #include "facetsort/exact/predicates.h"
 #include "facetsort/exact/relation.h"
 #include "facetsort/exact/screen.h"
+#include "facetsort/exact/stopwatch.h"
 #include "facetsort/exact/tree_order.h"
 #include "facetsort/exact/triangulation.h"
 #include "facetsort/order/key_sort.h"
@@ -38,95 +35,6 @@ namespace facetsort {
 using namespace exact_internal;
 
 namespace {
-
-constexpr std::size_t facets_per_task = 4096;
-
-// Beyond this a tree costs more than it saves.
-constexpr std::size_t most_tree_cuts_per_part = 8;
-
-class Stopwatch {
- public:
-  // Milliseconds since it was made, or since the last lap.
-  double lap() {
-    const Clock::time_point now = Clock::now();
-    return std::chrono::duration<double, std::milli>(now - std::exchange(start_, now)).count();
-  }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  Clock::time_point start_ = Clock::now();
-};
-
-// One id for all facets that lie in one plane, as the two halves of a quad do: the smallest of them. Candidates are
-// facets whose planes agree in double to some digits; which of these coincide is decided exactly.
-std::vector<FacetId> find_planes(const MeshView& mesh, const std::vector<unsigned char>& degenerate) {
-  struct RoundedPlane {
-    std::int64_t x, y, z, offset;
-    FacetId facet;
-
-    auto operator<=>(const RoundedPlane&) const = default;
-    bool agrees_with(const RoundedPlane& other) const {
-      return x == other.x && y == other.y && z == other.z && offset == other.offset;
-    }
-  };
-  const FacetFrame frame = facet_frame(facet_bounds(mesh));
-  std::vector<RoundedPlane> rounded(mesh.facet_count());
-  parallel_ranges(rounded.size(), facets_per_task, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t f = begin; f < end; ++f) {
-      rounded[f].facet = static_cast<FacetId>(f);
-      if (degenerate[f]) continue;
-      glm::dvec3 corner[3];
-      for (int i = 0; i < 3; ++i) corner[i] = (glm::dvec3(mesh.corner(f, i)) - frame.origin) * frame.scale;
-      glm::dvec3 normal = glm::cross(corner[1] - corner[0], corner[2] - corner[0]);
-      normal /= glm::length(normal);
-      const bool flip = normal.x < 0 || (normal.x == 0 && (normal.y < 0 || (normal.y == 0 && normal.z < 0)));
-      const double scale = flip ? -0x1p30 : 0x1p30;
-      rounded[f] = {std::llround(scale * normal.x), std::llround(scale * normal.y), std::llround(scale * normal.z),
-                    std::llround(scale * glm::dot(normal, corner[0])), static_cast<FacetId>(f)};
-    }
-  });
-  tbb::parallel_sort(rounded);
-  std::vector<FacetId> plane(mesh.facet_count());
-  std::iota(plane.begin(), plane.end(), FacetId{0});
-  const auto coplanar = [&](FacetId f, FacetId g) {
-    for (int i = 0; i < 3; ++i) {
-      if (orientation(mesh.corner(f, 0), mesh.corner(f, 1), mesh.corner(f, 2), mesh.corner(g, i)) != 0) return false;
-    }
-    return true;
-  };
-  std::vector<FacetId> distinct;  // planes that round to the same
-  for (std::size_t i = 0; i < rounded.size(); ++i) {
-    const FacetId facet = rounded[i].facet;
-    if (degenerate[facet]) continue;
-    if (i == 0 || !rounded[i].agrees_with(rounded[i - 1])) distinct.clear();
-    const auto same =
-        std::find_if(distinct.begin(), distinct.end(), [&](FacetId other) { return coplanar(other, facet); });
-    if (same != distinct.end()) {
-      plane[facet] = *same;
-    } else {
-      distinct.push_back(facet);
-    }
-  }
-  return plane;
-}
-
-// Whether a facet's normal is opposite to that of the facet that stands for its plane.
-std::vector<unsigned char> find_facing_away(const MeshView& mesh, const std::vector<FacetId>& plane) {
-  std::vector<unsigned char> away(mesh.facet_count());
-  parallel_ranges(away.size(), facets_per_task, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t f = begin; f < end; ++f) {
-      const FacetId g = plane[f];
-      if (g == f) continue;
-      for (int axis = 0; axis < 3; ++axis) {
-        const int sign = normal_sign(mesh.corner(f, 0), mesh.corner(f, 1), mesh.corner(f, 2), axis);
-        if (sign == 0) continue;
-        away[f] = normal_sign(mesh.corner(g, 0), mesh.corner(g, 1), mesh.corner(g, 2), axis) != sign;
-        break;
-      }
-    }
-  });
-  return away;
-}
 
 // A place in the order as it is found: a draw id, or a cycle to be filled in.
 constexpr std::uint32_t cycle_mark = 0x80000000u;
@@ -140,39 +48,27 @@ struct Cycle {
 
 struct ExactSorter::State {
   State(const MeshView& mesh_in, const ExactOptions& options_in)
-      : mesh(mesh_in),
-        options(options_in),
-        space{mesh_in, identify_positions(mesh_in), {}, {}, {}, {}},
-        degenerate(find_degenerate_facets(mesh_in)),
-        points(with_planes()) {}
-
-  const PointSpace& with_planes() {
-    space.plane_of_facet = find_planes(mesh, degenerate);
-    space.faces_away = find_facing_away(mesh, space.plane_of_facet);
-    space.find_facets_around();
-    return space;
-  }
+      : options(options_in), mesh(mesh_in), parted(mesh_in, options_in.max_growth) {}
 
   std::size_t bytes_held() const;
   void prepare();
-  bool prepare_tree(std::span<const std::uint32_t> drawn);
+  bool prepare_tree();
   void forget_last_view();
   void order_from_tree(const Eye& eye);
   void order_from_pairs(const Eye& eye);
   void walk();
   void add_cycle(std::span<const std::uint32_t> ranks);
   void fill_in_cycles();
-  std::size_t most_triangles() const;
 
-  MeshView mesh;
+  Stopwatch construction;
   ExactOptions options;
-  PointSpace space;
-  std::vector<unsigned char> degenerate;
-  Points points;                   // vertices, those of prepared pieces, then those of the last view
-  PartList parts;                  // prepared pieces, then those of the last view
-  std::vector<Piece> pieces;       // the same, for drawing
-  bool triangles_counted = false;  // of the last view
-  std::size_t prepared_pieces = 0, prepared_points = 0, prepared_triangles = 0, prepared_bytes = 0;
+  MeshView mesh;
+  PartedMesh parted;
+  Points& points = parted.points;   // vertices, those of prepared pieces, then those of the last view
+  PartList& parts = parted.pieces;  // prepared pieces, then those of the last view
+  std::vector<Piece> pieces;        // the same, for drawing
+  bool triangles_counted = false;   // of the last view
+  std::size_t prepared_pieces = 0, prepared_points = 0, prepared_bytes = 0;
   std::optional<OrderTree> tree;
   std::vector<std::uint32_t> without_area;  // draw ids, where there is a tree
   Elements elements;
@@ -198,48 +94,29 @@ Piece piece_of(const Part& part) {
 
 }  // namespace
 
-std::size_t ExactSorter::State::most_triangles() const {
-  const double most = options.max_growth * static_cast<double>(mesh.facet_count());
-  return most < 1e18 ? static_cast<std::size_t>(most) : std::size_t{1} << 60;
-}
-
 void ExactSorter::State::prepare() {
-  Stopwatch stopwatch;
-  PartedFacets parted = part_crossing_facets(points, degenerate, most_triangles());
-  parts = std::move(parted.pieces);
   statistics.crossing_pairs = parted.crossing_pairs;
   statistics.crossing_pairs_uncut = parted.uncut_pairs;
   statistics.prepared_cuts = parted.cuts;
   std::vector<std::uint32_t> drawn = parts_to_draw(parts, mesh.facet_count());
   statistics.prepared_pieces = drawn.size();
-  prepared_triangles = count_triangles(points, parts, drawn);
-  if (options.from == OrderFrom::pairs || parted.uncut_pairs > 0 || !prepare_tree(drawn)) {
+  if (options.from == OrderFrom::pairs || parted.uncut_pairs > 0 || !prepare_tree()) {
     sort_spatially(points, parts, drawn);
-    elements = make_elements(points, parts, degenerate, drawn, parted.uncut_pairs == 0);
+    elements = make_elements(points, parts, parted.degenerate, drawn, parted.uncut_pairs == 0);
   }
   prepared_pieces = parts.parts.size();
   prepared_points = points.size();
   for (const Part& part : parts.parts) pieces.push_back(piece_of(part));
   order = filled_order = std::move(drawn);
   prepared_bytes = bytes_held();
-  statistics.prepare_ms = stopwatch.lap();
+  statistics.prepare_ms = construction.lap();
 }
 
 // Builds the tree, and elements in its order, or returns false.
-bool ExactSorter::State::prepare_tree(std::span<const std::uint32_t> drawn) {
-  std::vector<std::uint32_t> with_area;
-  for (const std::uint32_t part : drawn) {
-    (part < mesh.facet_count() && degenerate[part] ? without_area : with_area).push_back(part);
-  }
-  // A cut makes two parts of one and two corners that neighbours take part in: four triangles at most.
-  const std::size_t limit = most_triangles();
-  const std::size_t allowed = limit > prepared_triangles ? (limit - prepared_triangles) / 4 : 0;
-  tree = build_order_tree(points, parts, with_area,
-                          {.most_cuts = std::min(allowed, most_tree_cuts_per_part * with_area.size())});
-  if (!tree) {
-    without_area.clear();
-    return false;
-  }
+bool ExactSorter::State::prepare_tree() {
+  tree = build_order_tree(parted, 1, nullptr);
+  if (!tree) return false;
+  without_area = degenerate_facets(parted);
   statistics.tree_nodes = tree->nodes.size();
   statistics.tree_cuts = tree->halvings.size();
   const bool in_pieces = options.from == OrderFrom::tree_pieces;
@@ -250,7 +127,7 @@ bool ExactSorter::State::prepare_tree(std::span<const std::uint32_t> drawn) {
     for (const std::uint32_t part : tree->members_of(node)) all.push_back(part);
     for (const OrderTree::Halving& halving : tree->halvings_of(node)) all.push_back(halving.whole);
   }
-  elements = make_elements(points, parts, degenerate, all, false);
+  elements = make_elements(points, parts, parted.degenerate, all, false);
   find_outline_ids(points, parts, elements);
   rejoined_order.prepare(*tree, elements);
   return true;
@@ -264,9 +141,7 @@ void ExactSorter::State::forget_last_view() {
 
 // What construction made.
 std::size_t ExactSorter::State::bytes_held() const {
-  return points.memory_bytes() + parts.memory_bytes() + elements.memory_bytes() +
-         bytes_of(space.position_of_vertex, space.plane_of_facet, space.faces_away, space.around_begin, space.around,
-                  degenerate, pieces, without_area) +
+  return parted.memory_bytes() + elements.memory_bytes() + bytes_of(pieces, without_area) +
          (tree ? tree->memory_bytes() : 0) + tree_walk.prepared_bytes() + rejoined_order.prepared_bytes();
 }
 
@@ -309,8 +184,8 @@ void ExactSorter::State::fill_in_cycles() {
   std::vector<OrderedCycle> ordered;
   ordered.reserve(cycles.size());
   for (std::size_t c = 0; c < cycles.size(); ++c) ordered.push_back({Points(&points), {}, {}, 0, false});
-  const std::size_t limit = most_triangles();
-  const std::size_t most_cuts = limit > prepared_triangles ? (limit - prepared_triangles) / 2 : 0;
+  const std::size_t limit = parted.most_triangles;
+  const std::size_t most_cuts = limit > parted.triangles ? (limit - parted.triangles) / 2 : 0;
   tbb::combinable<unsigned long long> fallbacks;
   tbb::parallel_for(std::size_t{0}, cycles.size(), [&](std::size_t c) {
     const unsigned long long before = exact_fallbacks();
@@ -319,7 +194,7 @@ void ExactSorter::State::fill_in_cycles() {
       const std::uint32_t id = elements.draw_id[element];
       CycleMember& member = members.emplace_back(CycleMember{elements.facet[element], screen.facing(element), {}, {}});
       if (id < mesh.facet_count()) {
-        member.corners = whole_facet(space, id).corners;
+        member.corners = whole_facet(parted.space, id).corners;
       } else {
         const Part& part = parts.parts[id - mesh.facet_count()];
         member.corners.assign(parts.corners_of(part).begin(), parts.corners_of(part).end());
@@ -331,7 +206,7 @@ void ExactSorter::State::fill_in_cycles() {
   });
   fallbacks.combine_each([&](unsigned long long n) { statistics.predicate_fallbacks += n; });
 
-  std::size_t triangles = prepared_triangles;
+  std::size_t triangles = parted.triangles;
   filled_order.clear();
   DistinctPoints made(points);
   std::vector<PartCorner> corners;
@@ -409,7 +284,7 @@ void ExactSorter::State::order_from_pairs(const Eye& eye) {
   fill_in_cycles();
   statistics.cut_ms = stopwatch.lap();
   triangles_counted = statistics.view_cuts == 0;
-  statistics.triangles = prepared_triangles;
+  statistics.triangles = parted.triangles;
 }
 
 OrderFrom order_from(Method method) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "facetsort/base/parallel.h"
+#include "facetsort/exact/elements.h"
 #include "facetsort/exact/part_sample.h"
 #include "facetsort/exact/predicates.h"
 #include "facetsort/facets/facets.h"
@@ -16,6 +17,9 @@ namespace {
 
 // Subtrees are grown in parallel; there are about `most_subtrees`, each of `fewest_parts` or more but in small meshes.
 constexpr std::size_t most_subtrees = 64, fewest_parts = 2048;
+
+// Cuts beyond which a tree costs more than it saves.
+constexpr std::size_t most_cuts_per_part = 8;
 
 // Planes tried at a node, for each unit of effort.
 constexpr std::size_t facet_planes_tried = 20, edge_planes_tried = 100, moves_tried = 100;
@@ -53,7 +57,8 @@ class Grower {
         first_plane_(base.plane_count()),
         first_piece_(facets() + base_pieces.parts.size()),
         most_cuts_(options.most_cuts),
-        effort_(options.effort) {}
+        effort_(options.effort),
+        progress_(options.progress) {}
   Grower(const Grower&) = delete;
 
   // Until what is left are jobs of at most `most_parts`, which are returned.
@@ -72,7 +77,10 @@ class Grower {
     return left;
   }
 
-  bool gave_up() const { return tree_.halvings.size() > most_cuts_; }
+  bool gave_up() const {
+    return tree_.halvings.size() > most_cuts_ ||
+           (progress_ != nullptr && progress_->cancelled.load(std::memory_order_relaxed));
+  }
   const OrderTree& tree() const { return tree_; }
 
   // Adds what was grown. Afterwards added_part() and added_node() tell what became of this grower's.
@@ -330,6 +338,10 @@ class Grower {
     node.member_count = static_cast<std::uint32_t>(tree_.members.size()) - node.first_member;
     node.halving_count = static_cast<std::uint32_t>(tree_.halvings.size()) - node.first_halving;
     tree_.nodes.push_back(node);
+    if (progress_ != nullptr) {
+      progress_->done.fetch_add(node.member_count, std::memory_order_relaxed);
+      progress_->all.fetch_add(node.halving_count, std::memory_order_relaxed);
+    }
     if (!back.items.empty()) jobs.push_back(std::move(back));
     if (!front.items.empty()) jobs.push_back(std::move(front));
     return true;
@@ -352,6 +364,7 @@ class Grower {
   FacetFrame frame_;
   std::size_t first_point_, first_plane_, first_piece_, most_cuts_, effort_;
   std::size_t plane_offset_ = 0, part_offset_ = 0, node_offset_ = 0;
+  PresortProgress* progress_;
   PartList pieces_;
   OrderTree tree_;
   std::vector<glm::dvec3> places_;  // of corners
@@ -370,6 +383,7 @@ std::optional<OrderTree> build_order_tree(Points& points, PartList& pieces, std:
   const std::size_t pieces_before = pieces.parts.size();
   OrderTree tree;
   if (parts.empty()) return tree;
+  if (options.progress != nullptr) options.progress->all += parts.size();
   DistinctPoints distinct(points);
   distinct.know_all();
 
@@ -390,7 +404,7 @@ std::optional<OrderTree> build_order_tree(Points& points, PartList& pieces, std:
   });
   std::size_t cuts = tree.halvings.size();
   for (const std::unique_ptr<Grower>& grower : growers) cuts += grower->tree().halvings.size();
-  if (cuts > options.most_cuts) {
+  if (cuts > options.most_cuts || (options.progress != nullptr && options.progress->cancelled)) {
     pieces.truncate(pieces_before);
     points.truncate(points_before, planes_before);
     return std::nullopt;
@@ -405,6 +419,17 @@ std::optional<OrderTree> build_order_tree(Points& points, PartList& pieces, std:
     (jobs[i].in_front ? parent.front : parent.back) = first;
   }
   return tree;
+}
+
+std::optional<OrderTree> build_order_tree(PartedMesh& parted, std::size_t effort, PresortProgress* progress) {
+  if (parted.uncut_pairs > 0) return std::nullopt;
+  std::vector<std::uint32_t> with_area = parts_to_draw(parted.pieces, parted.degenerate.size());
+  std::erase_if(with_area,
+                [&](std::uint32_t part) { return part < parted.degenerate.size() && parted.degenerate[part]; });
+  // A cut makes two parts of one and two corners that neighbours take part in: four triangles at most.
+  const std::size_t most = parted.most_triangles, allowed = most > parted.triangles ? (most - parted.triangles) / 4 : 0;
+  return build_order_tree(parted.points, parted.pieces, with_area,
+                          {std::min(allowed, most_cuts_per_part * with_area.size()), effort, progress});
 }
 
 }  // namespace facetsort::exact_internal

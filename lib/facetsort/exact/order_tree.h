@@ -9,8 +9,10 @@
 #include <vector>
 
 #include "facetsort/exact/memory.h"
+#include "facetsort/exact/parted_mesh.h"
 #include "facetsort/exact/parts.h"
 #include "facetsort/exact/points.h"
+#include "facetsort/exact/presort.h"
 
 namespace facetsort::exact_internal {
 
@@ -55,12 +57,17 @@ struct OrderTree {
 struct TreeOptions {
   std::size_t most_cuts;
   std::size_t effort = 1;  // planes tried at each node, in units: more time, fewer cuts
+  PresortProgress* progress = nullptr;
 };
 
 // Builds a tree over parts with area that do not cross. Halves are added to `pieces`, points and planes to `points`.
-// Nothing, and then nothing is added, where that would take more than `most_cuts`. Parallel in the caller's task arena;
+// Nothing, and then nothing is added, where that would take more than `most_cuts`, or where it was cancelled. Parallel in the caller's task arena;
 // the result does not depend on the thread count.
 std::optional<OrderTree> build_order_tree(Points& points, PartList& pieces, std::span<const std::uint32_t> parts,
                                           const TreeOptions& options);
+
+// The same over all parts with area of a mesh. Nothing also where some of its facets still cross, or where the tree
+// would make too many triangles.
+std::optional<OrderTree> build_order_tree(PartedMesh& parted, std::size_t effort, PresortProgress* progress);
 
 }  // namespace facetsort::exact_internal

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <tuple>
+#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -57,9 +58,11 @@ class Triangulator {
     return triangles;
   }
 
-  OrderedTriangles run() {
+  TriangulatedParts run() {
+    result_.counts.reserve(order_.size());
     for (const std::uint32_t id : order_) {
       load(id);
+      result_.counts.push_back(static_cast<std::uint32_t>(polygon_.size() - 2));
       clip_ears(facet_of(id));
     }
     return std::move(result_);
@@ -67,9 +70,7 @@ class Triangulator {
 
  private:
   std::size_t facet_count() const { return space_.mesh.facet_count(); }
-  FacetId facet_of(std::uint32_t id) const {
-    return id < facet_count() ? id : parts_.parts[id - facet_count()].facet;
-  }
+  FacetId facet_of(std::uint32_t id) const { return id < facet_count() ? id : parts_.parts[id - facet_count()].facet; }
 
   double along_edge(PointId from, PointId to, PointId point) const {
     const glm::dvec3 edge = points_.position(to) - points_.position(from);
@@ -88,9 +89,8 @@ class Triangulator {
 
   static std::span<const PointOnLine> on_line(const std::vector<PointOnLine>& points, std::uint32_t first,
                                               std::uint32_t second) {
-    const auto range = std::equal_range(
-        points.begin(), points.end(), PointOnLine{first, second, 0, 0},
-        [](const PointOnLine& a, const PointOnLine& b) { return a.key() < b.key(); });
+    const auto range = std::equal_range(points.begin(), points.end(), PointOnLine{first, second, 0, 0},
+                                        [](const PointOnLine& a, const PointOnLine& b) { return a.key() < b.key(); });
     return {range.first, range.second};
   }
 
@@ -140,7 +140,6 @@ class Triangulator {
   // Ears are cut off where two sides meet, so that no triangle is flat by construction, and not where all that is left
   // would be one side.
   void clip_ears(FacetId facet) {
-    corner_of_.clear();
     Line new_side = facet_edge | 3;  // unlike any line
     while (polygon_.size() > 3) {
       const std::size_t count = polygon_.size();
@@ -163,8 +162,8 @@ class Triangulator {
   }
 
   void emit(FacetId facet, PointId a, PointId b, PointId c) {
-    result_.triangles.push_back({index_of(facet, a), index_of(facet, b), index_of(facet, c)});
-    result_.source.push_back(facet);
+    result_.triangles.triangles.push_back({index_of(facet, a), index_of(facet, b), index_of(facet, c)});
+    result_.triangles.source.push_back(facet);
   }
 
   std::uint32_t index_of(FacetId facet, PointId point) {
@@ -173,13 +172,10 @@ class Triangulator {
         if (space_.corner(facet, i) == point) return space_.mesh.triangles[facet][i];
       }
     }
-    const auto known = std::find_if(corner_of_.begin(), corner_of_.end(),
-                                    [&](const auto& corner) { return corner.first == point; });
-    if (known != corner_of_.end()) return known->second;
-    const auto index = static_cast<std::uint32_t>(space_.mesh.vertex_count() + result_.vertices.size());
-    result_.vertices.push_back({points_.rounded(point), facet, barycentric(facet, point)});
-    corner_of_.push_back({point, index});
-    return index;
+    const auto next = static_cast<std::uint32_t>(space_.mesh.vertex_count() + result_.triangles.vertices.size());
+    const auto [known, is_new] = vertex_of_.try_emplace(std::uint64_t{facet} << 32 | point, next);
+    if (is_new) result_.triangles.vertices.push_back({points_.rounded(point), facet, barycentric(facet, point)});
+    return known->second;
   }
 
   glm::vec3 barycentric(FacetId facet, PointId point) const {
@@ -219,14 +215,18 @@ class Triangulator {
   std::vector<PointOnLine> on_edges_, on_cuts_;  // sorted
   std::vector<SideCorner> polygon_;
   std::vector<std::pair<double, PointId>> between_;
-  std::vector<std::pair<PointId, std::uint32_t>> corner_of_;  // of the facet at hand
-  OrderedTriangles result_;
+  std::unordered_map<std::uint64_t, std::uint32_t> vertex_of_;  // by facet and point
+  TriangulatedParts result_;
 };
 
 }  // namespace
 
-OrderedTriangles triangulate(const Points& points, const PartList& parts, std::span<const std::uint32_t> order) {
+TriangulatedParts triangulate_parts(const Points& points, const PartList& parts, std::span<const std::uint32_t> order) {
   return Triangulator(points, parts, order).run();
+}
+
+OrderedTriangles triangulate(const Points& points, const PartList& parts, std::span<const std::uint32_t> order) {
+  return triangulate_parts(points, parts, order).triangles;
 }
 
 std::size_t count_triangles(const Points& points, const PartList& parts, std::span<const std::uint32_t> order) {
