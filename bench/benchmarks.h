@@ -11,7 +11,7 @@ void register_sort_benchmarks();
 void register_floor_benchmarks();
 // peer_*/MESH: sorts that anyone can write or link, keys and index buffer included.
 void register_peer_benchmarks();
-// exact/MESH, exact_tree/MESH, exact_tree_pieces/MESH: the exact orders, cuts included.
+// exact/MESH, exact_tree/MESH, presorted/MESH: the exact orders, cuts included.
 void register_exact_benchmarks();
 // vtk_depth_sort/MESH: VTK's own, where the build found VTK.
 void register_vtk_benchmarks();

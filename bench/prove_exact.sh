@@ -5,7 +5,7 @@
 #
 #   bash bench/prove_exact.sh [METHOD] SIZE MESH...     for example: bash bench/prove_exact.sh 1024 meshes/*.ply
 #
-# METHOD is exact, exact_tree or exact_tree_pieces; exact where there is none.
+# METHOD is exact, exact_tree or presorted; exact where there is none.
 set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 program=$root/build/release/apps/facetsort/facetsort

@@ -7,7 +7,7 @@
 
 namespace facetsort {
 
-inline constexpr OrderFrom every_order[] = {OrderFrom::pairs, OrderFrom::tree, OrderFrom::tree_pieces};
+inline constexpr OrderFrom every_order[] = {OrderFrom::pairs, OrderFrom::tree, OrderFrom::presorted};
 
 // As part of a test's name.
 inline std::string name_of(OrderFrom from) {

@@ -87,7 +87,7 @@ double true_key(const Mesh& mesh, const FacetFrame& frame, std::uint32_t facet, 
       return std::max({along(p[0]), along(p[1]), along(p[2])});
     case Method::exact:
     case Method::exact_tree:
-    case Method::exact_tree_pieces:
+    case Method::presorted:
       break;
   }
   return 0;

@@ -23,12 +23,14 @@
 #include "facetsort/exact/parted_mesh.h"
 #include "facetsort/exact/precedence.h"
 #include "facetsort/exact/predicates.h"
+#include "facetsort/exact/presort_parted.h"
 #include "facetsort/exact/relation.h"
 #include "facetsort/exact/screen.h"
 #include "facetsort/exact/stopwatch.h"
 #include "facetsort/exact/tree_order.h"
 #include "facetsort/exact/triangulation.h"
 #include "facetsort/order/key_sort.h"
+#include "facetsort/order/presorted_reader.h"
 
 namespace facetsort {
 
@@ -53,6 +55,9 @@ struct ExactSorter::State {
   std::size_t bytes_held() const;
   void prepare();
   bool prepare_tree();
+  bool prepare_presorted();
+  void read_presorted(const Eye& eye);
+  OrderedTriangles presorted_triangles() const;
   void forget_last_view();
   void order_from_tree(const Eye& eye);
   void order_from_pairs(const Eye& eye);
@@ -71,6 +76,8 @@ struct ExactSorter::State {
   std::size_t prepared_pieces = 0, prepared_points = 0, prepared_bytes = 0;
   std::optional<OrderTree> tree;
   std::vector<std::uint32_t> without_area;  // draw ids, where there is a tree
+  std::optional<Presorted> presorted;
+  std::optional<PresortedReader> reader;  // of `presorted`
   Elements elements;
   ExactStatistics statistics;
 
@@ -88,6 +95,11 @@ struct ExactSorter::State {
 
 namespace {
 
+std::size_t memory_bytes_of(const PresortedData& data) {
+  return bytes_of(data.positions, data.facets, data.facet_colours, data.vertex_colours, data.made_vertices,
+                  data.made_positions, data.nodes, data.pieces, data.triangles, data.cuts, data.planes);
+}
+
 Piece piece_of(const Part& part) {
   return {part.facet, part.first_cut, part.cut_count};
 }
@@ -100,13 +112,17 @@ void ExactSorter::State::prepare() {
   statistics.prepared_cuts = parted.cuts;
   std::vector<std::uint32_t> drawn = parts_to_draw(parts, mesh.facet_count());
   statistics.prepared_pieces = drawn.size();
-  if (options.from == OrderFrom::pairs || parted.uncut_pairs > 0 || !prepare_tree()) {
+  const bool is_ready = (options.from == OrderFrom::presorted && prepare_presorted()) ||
+                        (options.from == OrderFrom::tree && prepare_tree());
+  if (!is_ready) {
     sort_spatially(points, parts, drawn);
     elements = make_elements(points, parts, parted.degenerate, drawn, parted.uncut_pairs == 0);
   }
   prepared_pieces = parts.parts.size();
   prepared_points = points.size();
-  for (const Part& part : parts.parts) pieces.push_back(piece_of(part));
+  if (!presorted) {
+    for (const Part& part : parts.parts) pieces.push_back(piece_of(part));
+  }
   order = filled_order = std::move(drawn);
   prepared_bytes = bytes_held();
   statistics.prepare_ms = construction.lap();
@@ -119,9 +135,7 @@ bool ExactSorter::State::prepare_tree() {
   without_area = degenerate_facets(parted);
   statistics.tree_nodes = tree->nodes.size();
   statistics.tree_cuts = tree->halvings.size();
-  const bool in_pieces = options.from == OrderFrom::tree_pieces;
-  tree_walk.prepare(points, *tree, in_pieces ? 1 : RejoinedOrder::places_per_block);
-  if (in_pieces) return true;
+  tree_walk.prepare(points, *tree, RejoinedOrder::places_per_block);
   std::vector<std::uint32_t> all = without_area;
   for (const OrderTree::Node& node : tree->nodes) {
     for (const std::uint32_t part : tree->members_of(node)) all.push_back(part);
@@ -133,7 +147,27 @@ bool ExactSorter::State::prepare_tree() {
   return true;
 }
 
+bool ExactSorter::State::prepare_presorted() {
+  presorted = presort_parted(parted, 1, nullptr);
+  if (!presorted) return false;
+  parted.release();
+  const PresortedData& data = presorted->data;
+  reader.emplace(data.view());
+  std::uint32_t first_cut = 0;
+  for (const PresortedPiece& piece : data.pieces) {
+    if (piece.cut_count > 0) pieces.push_back({piece.facet, first_cut, piece.cut_count});
+    first_cut += piece.cut_count;
+  }
+  statistics.tree_nodes = presorted->statistics.nodes;
+  // The same pieces from everywhere, and as many triangles.
+  statistics.tree_cuts = statistics.view_cuts = presorted->statistics.tree_cuts;
+  statistics.triangles = data.triangles.size();
+  triangles_counted = true;
+  return true;
+}
+
 void ExactSorter::State::forget_last_view() {
+  if (presorted) return;
   parts.truncate(prepared_pieces);
   pieces.resize(prepared_pieces);
   points.truncate(prepared_points);
@@ -142,6 +176,7 @@ void ExactSorter::State::forget_last_view() {
 // What construction made.
 std::size_t ExactSorter::State::bytes_held() const {
   return parted.memory_bytes() + elements.memory_bytes() + bytes_of(pieces, without_area) +
+         (presorted ? memory_bytes_of(presorted->data) + reader->memory_bytes() : 0) +
          (tree ? tree->memory_bytes() : 0) + tree_walk.prepared_bytes() + rejoined_order.prepared_bytes();
 }
 
@@ -245,25 +280,28 @@ void ExactSorter::State::fill_in_cycles() {
   filled_order.reserve(order.capacity());  // so that either will do for the next view
 }
 
+void ExactSorter::State::read_presorted(const Eye& eye) {
+  Stopwatch stopwatch;
+  order.resize(presorted->data.pieces.size());
+  reader->forget_eye();
+  order.resize(reader->read_draw_ids(eye, order));
+  statistics.order_ms = stopwatch.lap();
+}
+
 void ExactSorter::State::order_from_tree(const Eye& eye) {
   Stopwatch stopwatch;
   order.assign(without_area.begin(), without_area.end());
-  if (options.from == OrderFrom::tree_pieces) {
-    read_pieces(tree_walk, eye, order);
-    statistics.view_cuts = statistics.tree_cuts;  // the same pieces from everywhere, and as many triangles
-  } else {
-    screen.look(points, elements, eye, keys);
-    statistics.project_ms = stopwatch.lap();
-    const Relation relation(points, parts, elements, screen);
-    rejoined_order.find(tree_walk, relation, screen, elements, order);
-    const RejoiningCounts& counts = rejoined_order.counts();
-    statistics.candidate_pairs = counts.candidate_pairs;
-    statistics.searches = counts.tried;
-    statistics.predicate_fallbacks = counts.fallbacks;
-    statistics.rejoined_cuts = counts.rejoined;
-    statistics.view_cuts = statistics.tree_cuts - statistics.rejoined_cuts;
-    triangles_counted = false;
-  }
+  screen.look(points, elements, eye, keys);
+  statistics.project_ms = stopwatch.lap();
+  const Relation relation(points, parts, elements, screen);
+  rejoined_order.find(tree_walk, relation, screen, elements, order);
+  const RejoiningCounts& counts = rejoined_order.counts();
+  statistics.candidate_pairs = counts.candidate_pairs;
+  statistics.searches = counts.tried;
+  statistics.predicate_fallbacks = counts.fallbacks;
+  statistics.rejoined_cuts = counts.rejoined;
+  statistics.view_cuts = statistics.tree_cuts - statistics.rejoined_cuts;
+  triangles_counted = false;
   statistics.order_ms = stopwatch.lap();
 }
 
@@ -287,10 +325,35 @@ void ExactSorter::State::order_from_pairs(const Eye& eye) {
   statistics.triangles = parted.triangles;
 }
 
+// In the order of the last view.
+OrderedTriangles ExactSorter::State::presorted_triangles() const {
+  const PresortedData& data = presorted->data;
+  std::vector<std::size_t> first_triangle;  // of each draw id
+  first_triangle.resize(mesh.facet_count() + pieces.size());
+  std::vector<std::uint32_t> count(first_triangle.size());
+  std::size_t triangle = 0, next_piece = mesh.facet_count();
+  for (const PresortedPiece& piece : data.pieces) {
+    const std::size_t id = piece.cut_count > 0 ? next_piece++ : piece.facet;
+    first_triangle[id] = triangle;
+    count[id] = piece.triangle_count;
+    triangle += piece.triangle_count;
+  }
+  OrderedTriangles result;
+  for (const std::uint32_t id : order) {
+    const auto begin = data.triangles.begin() + static_cast<std::ptrdiff_t>(first_triangle[id]);
+    result.triangles.insert(result.triangles.end(), begin, begin + count[id]);
+    result.source.insert(result.source.end(), count[id], Pieces{pieces, {}, {}}.facet_of(id, mesh.facet_count()));
+  }
+  for (std::size_t i = 0; i < data.made_vertices.size(); ++i) {
+    result.vertices.push_back({data.made_positions[i], data.made_vertices[i].facet, data.made_vertices[i].barycentric});
+  }
+  return result;
+}
+
 OrderFrom order_from(Method method) {
   return method == Method::exact        ? OrderFrom::pairs
          : method == Method::exact_tree ? OrderFrom::tree
-                                        : OrderFrom::tree_pieces;
+                                        : OrderFrom::presorted;
 }
 
 ExactSorter::ExactSorter(const MeshView& mesh, const ExactOptions& options)
@@ -305,7 +368,9 @@ ExactSorter::~ExactSorter() = default;
 std::span<const std::uint32_t> ExactSorter::sort(const SortView& view) {
   State& state = *state_;
   state.forget_last_view();
-  if (state.tree) {
+  if (state.presorted) {
+    state.read_presorted(view.eye);
+  } else if (state.tree) {
     state.order_from_tree(view.eye);
   } else {
     state.order_from_pairs(view.eye);
@@ -315,6 +380,7 @@ std::span<const std::uint32_t> ExactSorter::sort(const SortView& view) {
 }
 
 Pieces ExactSorter::pieces() const {
+  if (state_->presorted) return {state_->pieces, state_->presorted->data.cuts, state_->presorted->data.planes};
   return {state_->pieces, state_->parts.cuts, state_->points.added_planes()};
 }
 
@@ -328,6 +394,7 @@ const ExactStatistics& ExactSorter::statistics() const {
 }
 
 OrderedTriangles ExactSorter::triangles() const {
+  if (state_->presorted) return state_->presorted_triangles();
   return triangulate(state_->points, state_->parts, state_->order);
 }
 

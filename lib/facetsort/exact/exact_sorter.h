@@ -22,8 +22,8 @@ enum class OrderFrom {
   // A tree of planes over all facets, built once (a binary space partition). What its planes cut is put together again
   // as far as the view allows. For meshes with many intersections and cycles, in positions that stay.
   tree,
-  // The same tree, and facets left in the pieces that it cuts: by far the fastest, with the most pieces.
-  tree_pieces,
+  // The same tree, and facets left in the pieces that it cuts (see presort()): by far the fastest, with the most pieces.
+  presorted,
 };
 
 // Of an exact method. Precondition: is_exact(method).
@@ -85,7 +85,7 @@ struct OrderedTriangles {
 // decides each by exact signs, orders them, and cuts only what hides each other in a cycle; or it walks the tree.
 //
 // Facets without area and facets seen edge-on hide nothing and are hidden by nothing: from pairs, they come by their
-// depth alone; from a tree, those without area first. Facets in one plane, duplicates among them, make no constraint
+// depth alone; from a tree or presorted, those without area first. Facets in one plane, duplicates among them, make no constraint
 // either: from pairs, they come by depth, then by smaller id. The order is the same for any thread count and
 // instruction set.
 //

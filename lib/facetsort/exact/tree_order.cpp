@@ -7,26 +7,6 @@
 
 namespace facetsort::exact_internal {
 
-void read_pieces(TreeWalk& walk, const Eye& eye, std::vector<std::uint32_t>& order) {
-  const OrderTree& tree = walk.tree();
-  walk.look(eye);
-  const std::size_t before = order.size();
-  order.resize(before + walk.places());
-  const auto read = [&](std::size_t first_node, std::size_t node_count) {
-    for (std::size_t i = first_node; i < first_node + node_count; ++i) {
-      std::uint32_t* place = order.data() + before + walk.first_place(i);
-      for (const std::uint32_t part : tree.members_of(tree.nodes[i])) *place++ = part;
-    }
-  };
-  read(0, tree.top_nodes());
-  parallel_ranges(tree.subtrees.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) {
-      walk.look_below(tree.subtrees[i]);
-      read(tree.subtrees[i].first_node, tree.subtrees[i].node_count);
-    }
-  });
-}
-
 void RejoinedOrder::prepare(const OrderTree& tree, const Elements& elements) {
   const auto element = [&](std::uint32_t part) { return elements.element_of_draw_id[part]; };
   for (const std::uint32_t part : tree.members) members_.push_back(element(part));

@@ -17,12 +17,8 @@
 
 namespace facetsort::exact_internal {
 
-// Appends the draw ids of a tree's members, back to front, in the pieces that its planes cut. Parallel in the caller's
-// task arena.
-void read_pieces(TreeWalk& walk, const Eye& eye, std::vector<std::uint32_t>& order);
-
-// The same order, after which the halves of what the planes cut are put together again as far as that can be done (see
-// Rejoining), what was cut last first.
+// The order in which a tree's members come, after which the halves of what the planes cut are put together again as far
+// as that can be done (see Rejoining), what was cut last first.
 class RejoinedOrder {
  public:
   // Places in blocks that Row takes.

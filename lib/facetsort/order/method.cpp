@@ -7,13 +7,13 @@ namespace {
 
 constexpr std::array methods = {Method::centroid_distance, Method::centroid_depth, Method::bounds_centre,
                                 Method::first_vertex,      Method::nearest_vertex, Method::farthest_vertex,
-                                Method::exact,             Method::exact_tree,     Method::exact_tree_pieces};
+                                Method::exact,             Method::exact_tree,     Method::presorted};
 constexpr std::size_t exact_methods = 3;
 constexpr std::array<std::string_view, methods.size()> names = {"centroid_distance", "centroid_depth",
                                                                 "bounds_centre",     "first_vertex",
                                                                 "nearest_vertex",    "farthest_vertex",
                                                                 "exact",             "exact_tree",
-                                                                "exact_tree_pieces"};
+                                                                "presorted"};
 
 }  // namespace
 

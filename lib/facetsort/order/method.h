@@ -18,7 +18,7 @@ enum class Method {
   farthest_vertex,    // the corner farthest from it (Newell, Newell and Sancha 1972 start from this order)
   exact,              // who hides whom, decided for each pair; cuts where facets cross or hide each other in a cycle
   exact_tree,         // the same from a tree of planes built once, what these cut put together again for each view
-  exact_tree_pieces,  // the same tree, with all that its planes cut left cut: fastest, and most pieces
+  presorted,      // read from the same tree with all that its planes cut left cut: fastest, and most pieces
 };
 
 // In the order of the enum.

@@ -173,7 +173,7 @@ void Sorter::State::prepare(std::span<const glm::uvec3> triangles, const Strided
       break;
     case Method::exact:
     case Method::exact_tree:
-    case Method::exact_tree_pieces:
+    case Method::presorted:
       assert(false && "not a depth key");
   }
   if (options.cull_back_faces) compute_normals(triangles, positions, normals);

@@ -48,7 +48,7 @@ constexpr std::array<KnownLook, 11> known_looks{{{"unsorted", "#8a7a6a", 2},
                                                 {"depth_write", "#5f9e2f", 1},
                                                 {"facet_sort:exact", "#d1442f", 6},
                                                 {"facet_sort:exact_tree", "#9c2f5b", 6},
-                                                {"facet_sort:exact_tree_pieces", "#e0662a", 6},
+                                                {"facet_sort:presorted", "#e0662a", 6},
                                                 {"depth_peeling", "#8d7b1a", 12},
                                                 {"dual_depth_peeling", "#a06a2c", 14},
                                                 {"reference", "#7a808a", 3}}};

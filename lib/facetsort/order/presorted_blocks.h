@@ -1,0 +1,83 @@
+// Internal to order: the order tree as it is read. Small subtrees are blocks, each ordered by itself; the nodes above
+// them, the top, order the blocks.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <vector>
+
+#include "facetsort/order/presorted_data.h"
+
+namespace facetsort::order_internal {
+
+// Beyond this a block would count in more than a byte; larger ones keep more nodes out of the top, smaller ones keep
+// their order in more of the small moves of an eye.
+constexpr std::size_t most_block_triangles = 128, most_block_nodes = 128;
+
+// Planes in a frame in which the vertices that they go through are within 1 of the origin: the eye (E, w) is in front
+// where dot(normal, E) + offset * w is positive. The largest component of a normal is 1. Where float can't tell a
+// normal, it and the offset are 0.
+struct PlaneArrays {
+  std::vector<float> x, y, z, offset;  // and whole vectors beyond the last can be read
+  std::vector<std::uint32_t> node;     // of each
+
+  void add(const glm::vec4& plane, std::uint32_t node_of_plane);
+  void pad();
+  std::size_t size() const { return node.size(); }
+};
+
+struct PlaneFrame {
+  glm::dvec3 origin{0};
+  double scale = 1;  // a power of two
+};
+
+// Nodes of a block have slots, in preorder from 0 on. That for a child that a node does not have is written, not read.
+constexpr std::uint8_t no_slot = 255;
+
+// A node with nodes below it, and the triangles on its sides and in its plane.
+struct Branch {
+  std::uint8_t slot, front_slot, back_slot;
+  std::uint8_t plane;  // of the block's
+  std::uint8_t front_size, back_size, own_size;
+};
+
+// Where a triangle stands: its node's slot, and its place among that node's.
+struct Spot {
+  std::uint8_t slot, place;
+};
+
+// When a triangle is drawn, where back faces are culled: the side of its node's plane that it is seen from.
+enum class Facing : std::uint8_t { front, back, always };
+
+// Triangles in a row: of a subtree, or of a node of the top, or of pieces without a node.
+struct Block {
+  std::uint32_t first_triangle, first_plane, first_branch;
+  std::uint8_t triangle_count, plane_count, branch_count;
+};
+
+// A node above the blocks. What is below it is told by element: nodes of the top, then blocks, then nothing.
+struct TopNode {
+  std::uint32_t front, back;
+  std::uint32_t front_blocks, back_blocks;  // how many blocks these are
+  std::uint32_t first_own, own_count;       // blocks in its plane
+};
+
+struct PresortedBlocks {
+  PlaneFrame frame;
+  std::vector<Block> blocks;  // in the order of the tree; the first are those without a node
+  std::size_t loose_blocks = 0;
+  std::vector<Branch> branches;
+  std::vector<Spot> spots;      // of each triangle
+  std::vector<Facing> facings;  // of each triangle, where back faces are culled
+  PlaneArrays planes;           // of branches; where back faces are culled, of all nodes, by slot
+  std::vector<TopNode> top;     // preorder
+  PlaneArrays top_planes;       // of each
+
+  std::size_t memory_bytes() const;
+};
+
+// Precondition: the view is sound: counts add up, vertices and facets exist, no plane's vertices are on one line.
+PresortedBlocks make_blocks(const PresortedView& mesh, bool culls_back_faces);
+
+}  // namespace facetsort::order_internal

@@ -1,0 +1,201 @@
+// Signs of planes in float, in doubt exactly; places of triangles from the sizes of subtrees, without branches.
+#include "facetsort/order/presorted_kernels.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "facetsort/order/eye_side.h"
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE "facetsort/order/presorted_kernels.cpp"
+#include <hwy/foreach_target.h>
+// Highway's own order: foreach_target.h before highway.h.
+#include <hwy/highway.h>
+
+HWY_BEFORE_NAMESPACE();
+namespace facetsort::order_internal::HWY_NAMESPACE {
+
+namespace hn = hwy::HWY_NAMESPACE;
+
+using Tag = hn::CappedTag<float, 8>;  // a byte of sides
+using Vec = hn::Vec<Tag>;
+
+// Bounds the rounding of dot(normal, E) + offset * w in float: components of normal and eye up to 1, offsets up to 3,
+// each rounded once, four products and three sums, are off by less than 36 * 2^-24.
+constexpr float rounding = 0x1p-18f;
+
+struct Eye {
+  Vec x, y, z, w;
+};
+
+HWY_INLINE Eye eye_of(const FrameEye& eye) {
+  const Tag d;
+  const glm::vec4 e(eye.in_frame);
+  return {hn::Set(d, e.x), hn::Set(d, e.y), hn::Set(d, e.z), hn::Set(d, e.w)};
+}
+
+HWY_INLINE Vec distances(const PlaneArrays& planes, std::size_t i, const Eye& eye) {
+  const Tag d;
+  const Vec xy = hn::Add(hn::Mul(hn::LoadU(d, planes.x.data() + i), eye.x),
+                         hn::Mul(hn::LoadU(d, planes.y.data() + i), eye.y));
+  const Vec zw = hn::Add(hn::Mul(hn::LoadU(d, planes.z.data() + i), eye.z),
+                         hn::Mul(hn::LoadU(d, planes.offset.data() + i), eye.w));
+  return hn::Add(xy, zw);
+}
+
+template <typename Mask>
+HWY_INLINE std::uint64_t bits_of(const Mask& mask) {
+  std::uint8_t bytes[8] = {};
+  hn::StoreMaskBits(Tag(), mask, bytes);
+  return bytes[0];
+}
+
+// Those that float leaves in doubt.
+HWY_NOINLINE void decide_exactly(const PlaneSource& source, std::size_t first, std::size_t count, const FrameEye& eye,
+                                 std::uint64_t* sides) {
+  const Tag d;
+  const Eye e = eye_of(eye);
+  for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+    const auto in_doubt = hn::And(hn::Le(hn::Abs(distances(source.planes, first + i, e)), hn::Set(d, rounding)),
+                                  hn::FirstN(d, count - i));
+    for (std::uint64_t bits = bits_of(in_doubt); bits != 0; bits &= bits - 1) {
+      const std::size_t plane = i + static_cast<std::size_t>(std::countr_zero(bits));
+      const glm::uvec3& corners = source.nodes[source.planes.node[first + plane]].plane;
+      const int side = eye_side(source.positions[corners.x], source.positions[corners.y], source.positions[corners.z],
+                                eye.eye);
+      const std::uint64_t bit = std::uint64_t{1} << plane % 64;
+      sides[plane / 64] = side >= 0 ? sides[plane / 64] | bit : sides[plane / 64] & ~bit;
+    }
+  }
+}
+
+HWY_INLINE float find_sides(const PlaneSource& source, std::size_t first, std::size_t count, const FrameEye& eye,
+                            const Eye& e, std::uint64_t* sides) {
+  const Tag d;
+  Vec least = hn::Set(d, std::numeric_limits<float>::infinity());
+  for (std::size_t begin = 0; begin < count; begin += 64) {
+    const std::size_t size = std::min<std::size_t>(64, count - begin);
+    std::uint64_t word = 0;
+    for (std::size_t i = 0; i < size; i += hn::Lanes(d)) {
+      const Vec value = distances(source.planes, first + begin + i, e);
+      const auto mask = hn::FirstN(d, size - i);
+      least = hn::Min(least, hn::IfThenElse(mask, hn::Abs(value), least));
+      word |= bits_of(hn::And(hn::Gt(value, hn::Zero(d)), mask)) << i;
+    }
+    sides[begin / 64] = word;
+  }
+  const float smallest = hn::GetLane(hn::MinOfLanes(d, least));
+  if (smallest <= rounding) decide_exactly(source, first, count, eye, sides);
+  // Beyond this distance's rounding, that of what is compared with it.
+  return smallest - 4 * rounding;
+}
+
+float FindSides(const PlaneSource& source, std::size_t first, std::size_t count, const FrameEye& eye,
+                std::uint64_t* sides) {
+  return find_sides(source, first, count, eye, eye_of(eye), sides);
+}
+
+HWY_INLINE bool is_set(const BlockSides& sides, std::size_t plane) {
+  return (sides[plane / 64] >> plane % 64 & 1) != 0;
+}
+
+// The triangles that are drawn, of `order`, which they replace.
+HWY_INLINE std::uint8_t cull(const PresortedBlocks& blocks, const Block& block, const BlockSides& sides,
+                             std::uint8_t* order) {
+  std::uint8_t kept = 0;
+  for (std::size_t k = 0; k < block.triangle_count; ++k) {
+    const std::uint8_t t = order[k];
+    const Facing facing = blocks.facings[block.first_triangle + t];
+    order[kept] = t;
+    kept += facing == Facing::always ||
+            is_set(sides, blocks.spots[block.first_triangle + t].slot) == (facing == Facing::front);
+  }
+  return kept;
+}
+
+// From the root down, each node hands its subtrees the places where they begin: what is beyond its plane comes first,
+// then what is in it, then what is before it.
+void OrderBlock(const PresortedBlocks& blocks, std::size_t b, const BlockOrders& orders) {
+  const Block& block = blocks.blocks[b];
+  const BlockSides sides = orders.states[b].sides;
+  std::uint8_t place[no_slot + 1];
+  place[0] = 0;
+  const Branch* branches = blocks.branches.data() + block.first_branch;
+  for (std::size_t k = 0; k < block.branch_count; ++k) {
+    const Branch branch = branches[k];
+    const bool in_front = is_set(sides, branch.plane);
+    const unsigned begin = place[branch.slot];
+    const unsigned own = begin + (in_front ? branch.back_size : branch.front_size);
+    const unsigned last = own + branch.own_size;
+    place[branch.slot] = static_cast<std::uint8_t>(own);
+    place[branch.front_slot] = static_cast<std::uint8_t>(in_front ? last : begin);
+    place[branch.back_slot] = static_cast<std::uint8_t>(in_front ? begin : last);
+  }
+  std::uint8_t* order = orders.orders + block.first_triangle;
+  const Spot* spots = blocks.spots.data() + block.first_triangle;
+  for (std::size_t t = 0; t < block.triangle_count; ++t) {
+    order[place[spots[t].slot] + spots[t].place] = static_cast<std::uint8_t>(t);
+  }
+  orders.kept[b] = blocks.facings.empty() ? block.triangle_count : cull(blocks, block, sides, order);
+}
+
+bool OrderBlocks(const PresortedBlocks& blocks, const PlaneSource& source, std::size_t begin, std::size_t end,
+                 const FrameEye& eye, double way, const BlockOrders& orders) {
+  const Eye e = eye_of(eye);
+  bool changed = false;
+  for (std::size_t b = begin; b < end; ++b) {
+    BlockOrders::State& state = orders.states[b];
+    const Block& block = blocks.blocks[b];
+    if (way < state.valid_until || block.plane_count == 0) continue;
+    BlockSides sides{};
+    const float margin = find_sides(source, block.first_plane, block.plane_count, eye, e, sides.data());
+    state.valid_until = static_cast<float>(way) + margin;
+    if (sides == state.sides) continue;
+    state.sides = sides;
+    const std::uint8_t kept = orders.kept[b];
+    OrderBlock(blocks, b, orders);
+    changed = changed || kept != orders.kept[b];
+  }
+  return changed;
+}
+
+}  // namespace facetsort::order_internal::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace facetsort::order_internal {
+
+HWY_EXPORT(FindSides);
+HWY_EXPORT(OrderBlock);
+HWY_EXPORT(OrderBlocks);
+
+FrameEye frame_eye(const PlaneFrame& frame, const glm::vec4& eye) {
+  const glm::dvec4 e = eye.w == 0 ? glm::dvec4(eye)
+                                  : glm::dvec4((glm::dvec3(eye) - frame.origin) * frame.scale, 1.0);
+  const double largest = std::max({std::abs(e.x), std::abs(e.y), std::abs(e.z), e.w});
+  return {eye, e * std::ldexp(1.0, -std::ilogb(largest) - 1)};
+}
+
+double distance_between(const FrameEye& a, const FrameEye& b) {
+  const glm::dvec4 moved = glm::abs(a.in_frame - b.in_frame);
+  return moved.x + moved.y + moved.z + 3 * moved.w;
+}
+
+float find_sides(const PlaneSource& source, std::size_t first, std::size_t count, const FrameEye& eye,
+                 std::uint64_t* sides) {
+  return HWY_DYNAMIC_DISPATCH(FindSides)(source, first, count, eye, sides);
+}
+
+void order_block(const PresortedBlocks& blocks, std::size_t b, const BlockOrders& orders) {
+  HWY_DYNAMIC_DISPATCH(OrderBlock)(blocks, b, orders);
+}
+
+bool order_blocks(const PresortedBlocks& blocks, const PlaneSource& source, std::size_t begin, std::size_t end,
+                  const FrameEye& eye, double way, const BlockOrders& orders) {
+  return HWY_DYNAMIC_DISPATCH(OrderBlocks)(blocks, source, begin, end, eye, way, orders);
+}
+
+}  // namespace facetsort::order_internal
+#endif

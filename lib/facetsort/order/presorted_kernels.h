@@ -1,0 +1,55 @@
+// Internal to order: the loops that read a presorted mesh, for every instruction set. PresortedReader puts them together.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <glm/glm.hpp>
+#include <span>
+
+#include "facetsort/order/presorted_blocks.h"
+
+namespace facetsort::order_internal {
+
+// An eye as it is, and in the frame of planes: its largest component (E, w) is in [0.5, 1].
+struct FrameEye {
+  glm::vec4 eye;
+  glm::dvec4 in_frame;
+};
+FrameEye frame_eye(const PlaneFrame& frame, const glm::vec4& eye);
+
+// What changes dot(normal, E) + offset * w by no more, for any plane of PlaneArrays.
+double distance_between(const FrameEye& a, const FrameEye& b);
+
+// The planes of a tree, and what they were made of.
+struct PlaneSource {
+  const PlaneArrays& planes;
+  std::span<const PresortedNode> nodes;
+  std::span<const glm::vec3> positions;
+};
+
+// Bits, 1 where the eye is in front of a plane, or in it.
+using BlockSides = std::array<std::uint64_t, most_block_nodes / 64>;
+// Of planes [first, first + count), into words of 64. Gives by how much distance_between() any later eye has to be less
+// for the same sides; 0 or less where that can't be said.
+float find_sides(const PlaneSource& source, std::size_t first, std::size_t count, const FrameEye& eye,
+                 std::uint64_t* sides);
+
+// Of each block: what was found for an eye, and what follows from it.
+struct BlockOrders {
+  struct State {
+    BlockSides sides{};
+    float valid_until = 0;  // way that the eye has gone when the sides have to be found again
+  };
+  State* states;
+  std::uint8_t* kept;    // triangles that are drawn
+  std::uint8_t* orders;  // those of a block, from its first triangle on, by number in the block, back to front
+};
+
+// Orders block `b` as its state's sides have it.
+void order_block(const PresortedBlocks& blocks, std::size_t b, const BlockOrders& orders);
+// Brings blocks [begin, end) to an eye that has gone `way` by now. Whether any keeps another number of triangles.
+bool order_blocks(const PresortedBlocks& blocks, const PlaneSource& source, std::size_t begin, std::size_t end,
+                  const FrameEye& eye, double way, const BlockOrders& orders);
+
+}  // namespace facetsort::order_internal
