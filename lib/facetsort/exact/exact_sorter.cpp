@@ -23,14 +23,13 @@
 #include "facetsort/exact/parted_mesh.h"
 #include "facetsort/exact/precedence.h"
 #include "facetsort/exact/predicates.h"
-#include "facetsort/exact/presort_parted.h"
+#include "facetsort/exact/presorted_order.h"
 #include "facetsort/exact/relation.h"
 #include "facetsort/exact/screen.h"
 #include "facetsort/exact/stopwatch.h"
 #include "facetsort/exact/tree_order.h"
 #include "facetsort/exact/triangulation.h"
 #include "facetsort/order/key_sort.h"
-#include "facetsort/order/presorted_reader.h"
 
 namespace facetsort {
 
@@ -50,14 +49,26 @@ struct Cycle {
 
 struct ExactSorter::State {
   State(const MeshView& mesh_in, const ExactOptions& options_in)
-      : options(options_in), mesh(mesh_in), parted(mesh_in, options_in.max_growth) {}
+      : options(options_in),
+        mesh(mesh_in),
+        presorted(presort_if_asked()),
+        parted(presorted ? MeshView{} : mesh_in, options_in.max_growth) {}
+  explicit State(const PresortedView& view)
+      : options{.from = OrderFrom::presorted},
+        mesh(view.mesh),
+        presorted(std::make_unique<PresortedOrder>(view)),
+        parted({}, 1) {}
+
+  std::unique_ptr<PresortedOrder> presort_if_asked() const {
+    if (options.from != OrderFrom::presorted) return nullptr;
+    std::optional<Presorted> result = presort(mesh, {.max_growth = options.max_growth});
+    return result ? std::make_unique<PresortedOrder>(std::move(*result)) : nullptr;
+  }
 
   std::size_t bytes_held() const;
   void prepare();
   bool prepare_tree();
-  bool prepare_presorted();
-  void read_presorted(const Eye& eye);
-  OrderedTriangles presorted_triangles() const;
+  void tell_presorted();
   void forget_last_view();
   void order_from_tree(const Eye& eye);
   void order_from_pairs(const Eye& eye);
@@ -68,7 +79,8 @@ struct ExactSorter::State {
   Stopwatch construction;
   ExactOptions options;
   MeshView mesh;
-  PartedMesh parted;
+  std::unique_ptr<PresortedOrder> presorted;
+  PartedMesh parted;                // of nothing, where the mesh is presorted
   Points& points = parted.points;   // vertices, those of prepared pieces, then those of the last view
   PartList& parts = parted.pieces;  // prepared pieces, then those of the last view
   std::vector<Piece> pieces;        // the same, for drawing
@@ -76,8 +88,6 @@ struct ExactSorter::State {
   std::size_t prepared_pieces = 0, prepared_points = 0, prepared_bytes = 0;
   std::optional<OrderTree> tree;
   std::vector<std::uint32_t> without_area;  // draw ids, where there is a tree
-  std::optional<Presorted> presorted;
-  std::optional<PresortedReader> reader;  // of `presorted`
   Elements elements;
   ExactStatistics statistics;
 
@@ -95,11 +105,6 @@ struct ExactSorter::State {
 
 namespace {
 
-std::size_t memory_bytes_of(const PresortedData& data) {
-  return bytes_of(data.positions, data.facets, data.facet_colours, data.vertex_colours, data.made_vertices,
-                  data.made_positions, data.nodes, data.pieces, data.triangles, data.cuts, data.planes);
-}
-
 Piece piece_of(const Part& part) {
   return {part.facet, part.first_cut, part.cut_count};
 }
@@ -107,22 +112,22 @@ Piece piece_of(const Part& part) {
 }  // namespace
 
 void ExactSorter::State::prepare() {
+  if (presorted) {
+    tell_presorted();
+    return;
+  }
   statistics.crossing_pairs = parted.crossing_pairs;
   statistics.crossing_pairs_uncut = parted.uncut_pairs;
   statistics.prepared_cuts = parted.cuts;
   std::vector<std::uint32_t> drawn = parts_to_draw(parts, mesh.facet_count());
   statistics.prepared_pieces = drawn.size();
-  const bool is_ready = (options.from == OrderFrom::presorted && prepare_presorted()) ||
-                        (options.from == OrderFrom::tree && prepare_tree());
-  if (!is_ready) {
+  if (options.from != OrderFrom::tree || !prepare_tree()) {
     sort_spatially(points, parts, drawn);
     elements = make_elements(points, parts, parted.degenerate, drawn, parted.uncut_pairs == 0);
   }
   prepared_pieces = parts.parts.size();
   prepared_points = points.size();
-  if (!presorted) {
-    for (const Part& part : parts.parts) pieces.push_back(piece_of(part));
-  }
+  for (const Part& part : parts.parts) pieces.push_back(piece_of(part));
   order = filled_order = std::move(drawn);
   prepared_bytes = bytes_held();
   statistics.prepare_ms = construction.lap();
@@ -147,27 +152,20 @@ bool ExactSorter::State::prepare_tree() {
   return true;
 }
 
-bool ExactSorter::State::prepare_presorted() {
-  presorted = presort_parted(parted, 1, nullptr);
-  if (!presorted) return false;
-  parted.release();
-  const PresortedData& data = presorted->data;
-  reader.emplace(data.view());
-  std::uint32_t first_cut = 0;
-  for (const PresortedPiece& piece : data.pieces) {
-    if (piece.cut_count > 0) pieces.push_back({piece.facet, first_cut, piece.cut_count});
-    first_cut += piece.cut_count;
-  }
-  statistics.tree_nodes = presorted->statistics.nodes;
-  // The same pieces from everywhere, and as many triangles.
-  statistics.tree_cuts = statistics.view_cuts = presorted->statistics.tree_cuts;
-  statistics.triangles = data.triangles.size();
+void ExactSorter::State::tell_presorted() {
+  const PresortStatistics& made = presorted->statistics();
+  statistics.crossing_pairs = made.crossing_pairs;
+  statistics.prepared_cuts = made.crossing_cuts;
+  statistics.prepared_pieces = made.pieces - made.tree_cuts;
+  statistics.tree_nodes = made.nodes;
+  statistics.tree_cuts = statistics.view_cuts = made.tree_cuts;  // the same pieces from everywhere
+  statistics.triangles = made.triangles;
   triangles_counted = true;
-  return true;
+  prepared_bytes = presorted->memory_bytes();
+  statistics.prepare_ms = construction.lap();
 }
 
 void ExactSorter::State::forget_last_view() {
-  if (presorted) return;
   parts.truncate(prepared_pieces);
   pieces.resize(prepared_pieces);
   points.truncate(prepared_points);
@@ -176,8 +174,8 @@ void ExactSorter::State::forget_last_view() {
 // What construction made.
 std::size_t ExactSorter::State::bytes_held() const {
   return parted.memory_bytes() + elements.memory_bytes() + bytes_of(pieces, without_area) +
-         (presorted ? memory_bytes_of(presorted->data) + reader->memory_bytes() : 0) +
-         (tree ? tree->memory_bytes() : 0) + tree_walk.prepared_bytes() + rejoined_order.prepared_bytes();
+         (presorted ? presorted->memory_bytes() : 0) + (tree ? tree->memory_bytes() : 0) + tree_walk.prepared_bytes() +
+         rejoined_order.prepared_bytes();
 }
 
 void ExactSorter::State::add_cycle(std::span<const std::uint32_t> ranks) {
@@ -280,14 +278,6 @@ void ExactSorter::State::fill_in_cycles() {
   filled_order.reserve(order.capacity());  // so that either will do for the next view
 }
 
-void ExactSorter::State::read_presorted(const Eye& eye) {
-  Stopwatch stopwatch;
-  order.resize(presorted->data.pieces.size());
-  reader->forget_eye();
-  order.resize(reader->read_draw_ids(eye, order));
-  statistics.order_ms = stopwatch.lap();
-}
-
 void ExactSorter::State::order_from_tree(const Eye& eye) {
   Stopwatch stopwatch;
   order.assign(without_area.begin(), without_area.end());
@@ -325,31 +315,6 @@ void ExactSorter::State::order_from_pairs(const Eye& eye) {
   statistics.triangles = parted.triangles;
 }
 
-// In the order of the last view.
-OrderedTriangles ExactSorter::State::presorted_triangles() const {
-  const PresortedData& data = presorted->data;
-  std::vector<std::size_t> first_triangle;  // of each draw id
-  first_triangle.resize(mesh.facet_count() + pieces.size());
-  std::vector<std::uint32_t> count(first_triangle.size());
-  std::size_t triangle = 0, next_piece = mesh.facet_count();
-  for (const PresortedPiece& piece : data.pieces) {
-    const std::size_t id = piece.cut_count > 0 ? next_piece++ : piece.facet;
-    first_triangle[id] = triangle;
-    count[id] = piece.triangle_count;
-    triangle += piece.triangle_count;
-  }
-  OrderedTriangles result;
-  for (const std::uint32_t id : order) {
-    const auto begin = data.triangles.begin() + static_cast<std::ptrdiff_t>(first_triangle[id]);
-    result.triangles.insert(result.triangles.end(), begin, begin + count[id]);
-    result.source.insert(result.source.end(), count[id], Pieces{pieces, {}, {}}.facet_of(id, mesh.facet_count()));
-  }
-  for (std::size_t i = 0; i < data.made_vertices.size(); ++i) {
-    result.vertices.push_back({data.made_positions[i], data.made_vertices[i].facet, data.made_vertices[i].barycentric});
-  }
-  return result;
-}
-
 OrderFrom order_from(Method method) {
   return method == Method::exact        ? OrderFrom::pairs
          : method == Method::exact_tree ? OrderFrom::tree
@@ -361,16 +326,25 @@ ExactSorter::ExactSorter(const MeshView& mesh, const ExactOptions& options)
   state_->prepare();
 }
 
+ExactSorter::ExactSorter(const PresortedView& presorted) : state_(std::make_unique<State>(presorted)) {
+  state_->prepare();
+}
+
 ExactSorter::ExactSorter(ExactSorter&&) noexcept = default;
 ExactSorter& ExactSorter::operator=(ExactSorter&&) noexcept = default;
 ExactSorter::~ExactSorter() = default;
 
 std::span<const std::uint32_t> ExactSorter::sort(const SortView& view) {
   State& state = *state_;
-  state.forget_last_view();
   if (state.presorted) {
-    state.read_presorted(view.eye);
-  } else if (state.tree) {
+    Stopwatch stopwatch;
+    const std::span<const std::uint32_t> order = state.presorted->read(view.eye);
+    state.statistics.order_ms = stopwatch.lap();
+    state.statistics.pieces = order.size();
+    return order;
+  }
+  state.forget_last_view();
+  if (state.tree) {
     state.order_from_tree(view.eye);
   } else {
     state.order_from_pairs(view.eye);
@@ -380,7 +354,7 @@ std::span<const std::uint32_t> ExactSorter::sort(const SortView& view) {
 }
 
 Pieces ExactSorter::pieces() const {
-  if (state_->presorted) return {state_->pieces, state_->presorted->data.cuts, state_->presorted->data.planes};
+  if (state_->presorted) return state_->presorted->pieces();
   return {state_->pieces, state_->parts.cuts, state_->points.added_planes()};
 }
 
@@ -394,7 +368,7 @@ const ExactStatistics& ExactSorter::statistics() const {
 }
 
 OrderedTriangles ExactSorter::triangles() const {
-  if (state_->presorted) return state_->presorted_triangles();
+  if (state_->presorted) return state_->presorted->triangles();
   return triangulate(state_->points, state_->parts, state_->order);
 }
 

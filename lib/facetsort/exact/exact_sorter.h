@@ -10,6 +10,7 @@
 
 #include "facetsort/facets/pieces.h"
 #include "facetsort/mesh/mesh_view.h"
+#include "facetsort/order/presorted_data.h"
 #include "facetsort/order/sorter.h"
 
 namespace facetsort {
@@ -94,6 +95,8 @@ class ExactSorter {
  public:
   // Precondition: validate(mesh) is ok.
   explicit ExactSorter(const MeshView& mesh, const ExactOptions& options = {});
+  // Reads the orders of a mesh presorted before, whose arrays must outlive it. Precondition: the view is sound.
+  explicit ExactSorter(const PresortedView& presorted);
   ExactSorter(ExactSorter&&) noexcept;
   ExactSorter& operator=(ExactSorter&&) noexcept;
   ~ExactSorter();

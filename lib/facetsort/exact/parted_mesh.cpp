@@ -119,13 +119,6 @@ PartedMesh::PartedMesh(const MeshView& mesh, double max_growth)
   triangles = count_triangles(points, pieces, parts_to_draw(pieces, mesh.facet_count()));
 }
 
-void PartedMesh::release() {
-  space = {space.mesh, {}, {}, {}, {}, {}};
-  degenerate = {};
-  points = Points(space);
-  pieces = {};
-}
-
 std::size_t PartedMesh::memory_bytes() const {
   return points.memory_bytes() + pieces.memory_bytes() +
          bytes_of(space.position_of_vertex, space.plane_of_facet, space.faces_away, space.around_begin, space.around,

@@ -18,8 +18,6 @@ struct PartedMesh {
   PartedMesh(const PartedMesh&) = delete;
   PartedMesh& operator=(const PartedMesh&) = delete;
 
-  // Forgets everything but the counts.
-  void release();
   std::size_t memory_bytes() const;
 
   std::vector<unsigned char> degenerate;  // by facet

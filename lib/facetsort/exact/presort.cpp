@@ -6,7 +6,6 @@
 
 #include "facetsort/exact/order_tree.h"
 #include "facetsort/exact/parted_mesh.h"
-#include "facetsort/exact/presort_parted.h"
 #include "facetsort/exact/stopwatch.h"
 #include "facetsort/exact/triangulation.h"
 
@@ -93,24 +92,26 @@ std::vector<T> copy_of(std::span<const T> values) {
 
 }  // namespace
 
-std::optional<Presorted> exact_internal::presort_parted(PartedMesh& parted, std::size_t effort,
-                                                        PresortProgress* progress) {
+std::optional<Presorted> presort(const MeshView& mesh, const PresortOptions& options, PresortProgress* progress) {
   std::optional<Presorted> result(std::in_place);
   PresortedData& data = result->data;
   PresortStatistics& statistics = result->statistics;
+  Stopwatch stopwatch;
+  PartedMesh parted(mesh, options.max_growth);
   statistics.crossing_pairs = parted.crossing_pairs;
   statistics.crossing_cuts = parted.cuts;
-  Stopwatch stopwatch;
+  statistics.part_ms = stopwatch.lap();
+
   std::vector<std::uint32_t> drawn = degenerate_facets(parted);
   {
-    const std::optional<OrderTree> tree = build_order_tree(parted, effort, progress);
+    const std::optional<OrderTree> tree = build_order_tree(parted, options.effort, progress);
     if (!tree) return std::nullopt;
     statistics.tree_cuts = tree->halvings.size();
     data.nodes = std::move(Preorder(*tree, parted.points, drawn).nodes);
   }
   statistics.tree_ms = stopwatch.lap();
+
   take_pieces(parted, drawn, triangulate_parts(parted.points, parted.pieces, drawn), data);
-  const MeshView& mesh = parted.space.mesh;
   data.positions = copy_of(mesh.positions);
   data.facets = copy_of(mesh.triangles);
   data.facet_colours = copy_of(mesh.facet_colours);
@@ -119,15 +120,6 @@ std::optional<Presorted> exact_internal::presort_parted(PartedMesh& parted, std:
   statistics.pieces = data.pieces.size();
   statistics.triangles = data.triangles.size();
   statistics.triangulate_ms = stopwatch.lap();
-  return result;
-}
-
-std::optional<Presorted> presort(const MeshView& mesh, const PresortOptions& options, PresortProgress* progress) {
-  Stopwatch stopwatch;
-  PartedMesh parted(mesh, options.max_growth);
-  const double part_ms = stopwatch.lap();
-  std::optional<Presorted> result = presort_parted(parted, options.effort, progress);
-  if (result) result->statistics.part_ms = part_ms;
   return result;
 }
 
