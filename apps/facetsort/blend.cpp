@@ -30,7 +30,7 @@ ExitStatus run_blend(const BlendOptions& options, const CommonOptions& common) {
   const InputMesh input = read_input_mesh(options.mesh);
   const View view = make_view(options.view, input.bounds);
 
-  StrategyRenderer renderer(input.mesh.view(), options.strategy);
+  StrategyRenderer renderer(input.mesh.view(), options.strategy, input.tree());
   Image image;
   renderer.order(view);
   const DrawStatistics statistics = renderer.draw(view, options.format, image);
@@ -65,7 +65,7 @@ ExitStatus run_blend(const BlendOptions& options, const CommonOptions& common) {
 Verb add_blend(CLI::App& program, const CommonOptions& common) {
   const auto options = std::make_shared<BlendOptions>();
   CLI::App* command = program.add_subcommand("blend", "A picture of a self-transparent mesh, by one strategy");
-  command->add_option("MESH", options->mesh, "PLY, OBJ, OFF or STL file")->required()->type_name("");
+  command->add_option("MESH", options->mesh, "PLY, OBJ, OFF, STL or presorted .fsort file")->required()->type_name("");
   command
       ->add_option_function<std::string>(
           "--strategy", [options](const std::string& text) { options->strategy = parse_strategy("--strategy", text); },

@@ -253,7 +253,7 @@ Verb add_check(CLI::App& program, const CommonOptions& common) {
       "check",
       "Whether a draw order has every facet once, whole or in parts, and no far one after a nearer one; exit status 1 "
       "where not");
-  command->add_option("MESH", options->mesh, "PLY, OBJ, OFF or STL file")->required()->type_name("");
+  command->add_option("MESH", options->mesh, "PLY, OBJ, OFF, STL or presorted .fsort file")->required()->type_name("");
   command->add_option("--order", options->order, "The order, a .u32 or .ply as `facetsort order` writes it")
       ->required()
       ->type_name("OUT");

@@ -213,7 +213,7 @@ Verb add_compare(CLI::App& program, const CommonOptions& common) {
   const auto options = std::make_shared<CompareOptions>();
   CLI::App* command = program.add_subcommand(
       "compare", "Every strategy on every mesh, its error beside its run time: results.json, results.csv, index.html");
-  command->add_option("MESH", options->meshes, "PLY, OBJ, OFF or STL files")->required()->type_name("");
+  command->add_option("MESH", options->meshes, "PLY, OBJ, OFF, STL or presorted .fsort files")->required()->type_name("");
   command
       ->add_option_function<std::string>(
           "--strategies", [options](const std::string& text) { options->strategies = parse_strategies(text); },

@@ -136,7 +136,7 @@ MeasuredStrategy measure_strategy(const InputMesh& input, const Strategy& strate
 
   if (!prepared.renderer) {
     prepared.prepare_ms =
-        time_median([&] { prepared.renderer.emplace(input.mesh.view(), strategy); }, 1).median_ms;
+        time_median([&] { prepared.renderer.emplace(input.mesh.view(), strategy, input.tree()); }, 1).median_ms;
   }
   row.prepare_ms = prepared.prepare_ms;
   measure_cost(*prepared.renderer, refereed, repeats, row, measured.picture);

@@ -137,7 +137,14 @@ void order_exactly(const OrderOptions& options, const CommonOptions& common, con
   exact.max_growth = options.max_growth.value_or(exact.max_growth);
   std::optional<ExactSorter> sorter;
   OrderCost cost;
-  cost.prepare = time_median([&] { sorter.emplace(input.mesh.view(), exact); }, 1);
+  const auto prepare = [&] {
+    if (options.method == Method::presorted && input.tree() != nullptr) {
+      sorter.emplace(*input.tree());
+    } else {
+      sorter.emplace(input.mesh.view(), exact);
+    }
+  };
+  cost.prepare = time_median(prepare, 1);
   cost.sort = time_sorts(*sorter, eye);
   if (extension_of(options.output) == ".ply") {
     write_triangles(options.output, input.mesh, sorter->triangles());
@@ -178,7 +185,7 @@ ExitStatus run_order(const OrderOptions& options, const CommonOptions& common) {
 Verb add_order(CLI::App& program, const CommonOptions& common) {
   const auto options = std::make_shared<OrderOptions>();
   CLI::App* command = program.add_subcommand("order", "The draw order of a mesh's facets for one view, farthest first");
-  command->add_option("MESH", options->mesh, "PLY, OBJ, OFF or STL file")->required()->type_name("");
+  command->add_option("MESH", options->mesh, "PLY, OBJ, OFF, STL or presorted .fsort file")->required()->type_name("");
   add_view_options(*command, options->view);
   add_method_option(*command, options->method);
   add_growth_option(*command, options->max_growth);

@@ -24,6 +24,7 @@ struct Verb {
 // `common` is filled in before `run` is called, and must outlive it.
 Verb add_inspect(CLI::App& program, const CommonOptions& common);
 Verb add_order(CLI::App& program, const CommonOptions& common);
+Verb add_presort(CLI::App& program, const CommonOptions& common);
 Verb add_blend(CLI::App& program, const CommonOptions& common);
 Verb add_check(CLI::App& program, const CommonOptions& common);
 Verb add_compare(CLI::App& program, const CommonOptions& common);

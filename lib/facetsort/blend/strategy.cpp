@@ -139,11 +139,14 @@ struct StrategyRenderer::State {
   }
 };
 
-StrategyRenderer::StrategyRenderer(const MeshView& mesh, const Strategy& strategy) : state_(std::make_unique<State>()) {
+StrategyRenderer::StrategyRenderer(const MeshView& mesh, const Strategy& strategy, const PresortedView* presorted)
+    : state_(std::make_unique<State>()) {
   state_->mesh = mesh;
   state_->strategy = strategy;
   state_->passes = draw_passes(strategy.kind);
-  if (strategy.kind == StrategyKind::facet_sort && is_exact(strategy.method)) {
+  if (strategy.kind == StrategyKind::facet_sort && strategy.method == Method::presorted && presorted != nullptr) {
+    state_->exact_sorter.emplace(*presorted);
+  } else if (strategy.kind == StrategyKind::facet_sort && is_exact(strategy.method)) {
     state_->exact_sorter.emplace(mesh, ExactOptions{.from = order_from(strategy.method)});
   } else if (strategy.kind == StrategyKind::facet_sort) {
     state_->sorter.emplace(mesh, SorterOptions{.method = strategy.method, .precision = Precision::whole});

@@ -16,6 +16,7 @@
 #include "facetsort/exact/exact_sorter.h"
 #include "facetsort/mesh/mesh_view.h"
 #include "facetsort/order/method.h"
+#include "facetsort/order/presorted_data.h"
 #include "facetsort/order/sorter.h"
 
 namespace facetsort {
@@ -54,8 +55,9 @@ std::optional<Strategy> strategy_from_name(std::string_view name);
 // order() and draw(). Keeps its scratch. One thread at a time; parallel in the caller's task arena.
 class StrategyRenderer {
  public:
-  // The mesh's arrays must outlive it.
-  StrategyRenderer(const MeshView& mesh, const Strategy& strategy);
+  // The mesh's arrays must outlive it, and those of `presorted`, which may be null: where the strategy's method is
+  // presorted, it is the mesh presorted before, and else not looked at.
+  StrategyRenderer(const MeshView& mesh, const Strategy& strategy, const PresortedView* presorted = nullptr);
   StrategyRenderer(StrategyRenderer&&) noexcept;
   StrategyRenderer& operator=(StrategyRenderer&&) noexcept;
   ~StrategyRenderer();

@@ -113,7 +113,7 @@ double PartSample::cost_of(const SideCounts& counts, std::size_t seen) const {
   const std::uint32_t all = counts.front + counts.back + in_plane;
   double gain = counts.front * (logarithm[all] - logarithm[counts.front]) * (counts.front > 0) +
                 counts.back * (logarithm[all] - logarithm[counts.back]) * (counts.back > 0);
-  if (in_plane > 0) gain += in_plane * static_cast<float>(std::log(all * scale));
+  if (in_plane > 0) gain += in_plane * static_cast<double>(static_cast<float>(std::log(all * scale)));
   const double cuts = counts.cut - (1 - cost_at_corner) * counts.cut_at_corner;
   return gain > 0 ? (cuts * scale + cost_of_node) / (gain * scale) : INFINITY;
 }

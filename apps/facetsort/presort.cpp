@@ -1,0 +1,242 @@
+// facetsort presort: all the work once, an order for any eye afterwards.
+#include "facetsort/exact/presort.h"
+
+#include <sys/resource.h>
+
+#include <atomic>
+#include <chrono>
+#include <csignal>
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "arguments.h"
+#include "facetsort/order/presorted_mesh.h"
+#include "facetsort/report/number_text.h"
+#include "facetsort/report/timing.h"
+#include "input_mesh.h"
+#include "output.h"
+#include "progress.h"
+#include "verbs.h"
+
+namespace facetsort {
+namespace {
+
+constexpr int most_effort = 1000;
+
+struct PresortVerbOptions {
+  std::vector<std::string> meshes;
+  std::filesystem::path output;
+  int effort = 1;
+  std::optional<double> max_growth;
+};
+
+std::atomic<bool> interrupted{false};
+static_assert(std::atomic<bool>::is_always_lock_free);
+
+extern "C" void interrupt(int) {
+  interrupted = true;
+}
+
+// While this is there, a first interrupt cancels the work, and a second one ends the program.
+class InterruptGuard {
+ public:
+  InterruptGuard() {
+    struct sigaction action {};
+    action.sa_handler = interrupt;
+    action.sa_flags = static_cast<int>(SA_RESETHAND);
+    sigaction(SIGINT, &action, &before_);
+  }
+  InterruptGuard(const InterruptGuard&) = delete;
+  InterruptGuard& operator=(const InterruptGuard&) = delete;
+  ~InterruptGuard() { sigaction(SIGINT, &before_, nullptr); }
+
+ private:
+  struct sigaction before_ {};
+};
+
+// Shows how far the work is, and passes an interrupt on to it, until it is gone.
+class Watch {
+ public:
+  Watch(const std::string& what, PresortProgress& work)
+      : thread_([this, what, &work](const std::stop_token& stop) { run(stop, what, work); }) {}
+
+ private:
+  void run(const std::stop_token& stop, const std::string& what, PresortProgress& work) {
+    Progress progress(1);
+    double shown = 0;
+    while (!stop.stop_requested()) {
+      const auto all = static_cast<double>(work.all.load());
+      const double share = all > 0 ? static_cast<double>(work.done.load()) / all : 0;
+      if (share > shown) {
+        progress.add(share - shown);
+        shown = share;
+      }
+      progress.show(what);
+      if (interrupted) work.cancelled = true;
+      std::unique_lock lock(mutex_);
+      wake_.wait_for(lock, stop, std::chrono::milliseconds(100), [] { return false; });
+    }
+  }
+
+  std::mutex mutex_;
+  std::condition_variable_any wake_;
+  std::jthread thread_;
+};
+
+std::size_t peak_memory_bytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::size_t>(usage.ru_maxrss) * 1024;
+}
+
+// What became of one mesh.
+struct Outcome {
+  std::string mesh, output;
+  std::size_t facets = 0;
+  PresortStatistics statistics;
+  double presort_ms = 0, write_ms = 0;
+  std::uintmax_t file_bytes = 0;
+  std::size_t peak_bytes = 0;  // of the program, up to here
+
+  double growth() const {
+    return facets == 0 ? 1 : static_cast<double>(statistics.triangles) / static_cast<double>(facets);
+  }
+};
+
+Presorted presort_input(const InputMesh& input, const PresortVerbOptions& options) {
+  PresortOptions presort_options{.effort = static_cast<std::size_t>(options.effort)};
+  presort_options.max_growth = options.max_growth.value_or(presort_options.max_growth);
+  PresortProgress progress;
+  std::optional<Presorted> presorted;
+  {
+    const Watch watch(input.name, progress);
+    presorted = presort(input.mesh.view(), presort_options, &progress);
+  }
+  if (interrupted) throw Failure(input.path.string() + ": interrupted; nothing was written for it");
+  if (!presorted) {
+    throw Failure(input.path.string() + ": --max-growth " + number_text(presort_options.max_growth) +
+                  " is not enough for this mesh");
+  }
+  return std::move(*presorted);
+}
+
+Outcome presort_file(const std::string& path, const std::filesystem::path& output, const PresortVerbOptions& options) {
+  const InputMesh input = read_input_mesh(path);
+  Outcome outcome;
+  outcome.mesh = path;
+  outcome.output = output.string();
+  outcome.facets = input.mesh.triangles.size();
+  std::optional<Presorted> presorted;
+  outcome.presort_ms = time_median([&] { presorted = presort_input(input, options); }, 1).median_ms;
+  outcome.statistics = presorted->statistics;
+  outcome.write_ms = time_median([&] { require(write_presorted(output, presorted->data.view())); }, 1).median_ms;
+  outcome.file_bytes = std::filesystem::file_size(output);
+  outcome.peak_bytes = peak_memory_bytes();
+  return outcome;
+}
+
+Json outcome_json(const Outcome& outcome) {
+  const PresortStatistics& s = outcome.statistics;
+  return {{"mesh", outcome.mesh},
+          {"facets", outcome.facets},
+          {"crossing_pairs", s.crossing_pairs},
+          {"crossing_cuts", s.crossing_cuts},
+          {"tree_cuts", s.tree_cuts},
+          {"nodes", s.nodes},
+          {"pieces", s.pieces},
+          {"triangles_out", s.triangles},
+          {"growth", outcome.growth()},
+          {"presort_ms", outcome.presort_ms},
+          {"part_ms", s.part_ms},
+          {"tree_ms", s.tree_ms},
+          {"triangulate_ms", s.triangulate_ms},
+          {"write_ms", outcome.write_ms},
+          {"file_bytes", outcome.file_bytes},
+          {"peak_memory_bytes", outcome.peak_bytes},
+          {"output", outcome.output}};
+}
+
+std::string megabytes_text(double bytes) {
+  return fixed_text(bytes / 1e6, 1) + " MB";
+}
+
+Facts outcome_facts(const Outcome& outcome) {
+  const PresortStatistics& s = outcome.statistics;
+  return {{"mesh", outcome.mesh},
+          {"facets", count_text(outcome.facets)},
+          {"crossing",
+           count_text(s.crossing_pairs) + " pairs of facets, parted by " + count_text(s.crossing_cuts) + " cuts"},
+          {"tree", count_text(s.nodes) + " planes, " + count_text(s.tree_cuts) + " cuts"},
+          {"drawn", count_text(s.pieces) + " pieces, " + count_text(s.triangles) + " triangles: growth " +
+                        fixed_text(outcome.growth(), 3)},
+          {"times", milliseconds_text(outcome.presort_ms) + " ms to presort, " + milliseconds_text(outcome.write_ms) +
+                        " ms to write"},
+          {"memory", megabytes_text(static_cast<double>(outcome.peak_bytes)) + " at most"},
+          {"output", outcome.output + ", " + megabytes_text(static_cast<double>(outcome.file_bytes))}};
+}
+
+// Where each mesh goes: to the one file named, or into the folder.
+std::vector<std::filesystem::path> output_files(const PresortVerbOptions& options) {
+  if (options.meshes.size() == 1 && !std::filesystem::is_directory(options.output)) {
+    require_output_file(options.output, {".fsort"});
+    return {options.output};
+  }
+  std::vector<std::filesystem::path> files;
+  for (const std::string& mesh : options.meshes) {
+    std::filesystem::path file = options.output / std::filesystem::path(mesh).stem();
+    file += ".fsort";
+    for (std::size_t i = 0; i < files.size(); ++i) {
+      if (files[i] == file) throw Failure(mesh + ": " + options.meshes[i] + " would become " + file.string() + " too");
+    }
+    files.push_back(std::move(file));
+  }
+  std::error_code error;
+  std::filesystem::create_directories(options.output, error);
+  if (error) throw Failure(options.output.string() + ": cannot make this folder: " + error.message());
+  return files;
+}
+
+ExitStatus run_presort(const PresortVerbOptions& options, const CommonOptions& common) {
+  const std::vector<std::filesystem::path> files = output_files(options);
+  const InterruptGuard guard;
+  Json documents = Json::array();
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    const Outcome outcome = presort_file(options.meshes[i], files[i], options);
+    if (common.json) {
+      documents.push_back(outcome_json(outcome));
+    } else {
+      if (i > 0) print_text("\n");
+      print_facts(outcome_facts(outcome));
+    }
+  }
+  if (common.json) print_json(documents);
+  return ExitStatus::done;
+}
+
+}  // namespace
+
+Verb add_presort(CLI::App& program, const CommonOptions& common) {
+  const auto options = std::make_shared<PresortVerbOptions>();
+  CLI::App* command = program.add_subcommand(
+      "presort", "Does all the work once: a file from which an exact order for any eye is read without sorting");
+  command->add_option("MESH", options->meshes, "PLY, OBJ, OFF or STL files, each presorted by itself")
+      ->required()
+      ->type_name("");
+  add_count_option(*command, "--effort", options->effort, most_effort,
+                   "How many planes are tried at each node of the tree: more time, fewer cuts [1]");
+  add_growth_option(*command, options->max_growth);
+  command
+      ->add_option("-o,--output", options->output,
+                   "OUT.fsort; or, and always with several meshes, a folder, in which each becomes NAME.fsort")
+      ->required()
+      ->type_name("OUT");
+  command->footer("Example: facetsort presort meshes/teapot_1k.ply meshes/hand_2k.ply -o presorted");
+  return {command, [options, &common] { return run_presort(*options, common); }};
+}
+
+}  // namespace facetsort
