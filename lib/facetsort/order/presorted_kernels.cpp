@@ -97,48 +97,66 @@ float FindSides(const PlaneSource& source, std::size_t first, std::size_t count,
   return find_sides(source, first, count, eye, eye_of(eye), sides);
 }
 
-HWY_INLINE bool is_set(const BlockSides& sides, std::size_t plane) {
-  return (sides[plane / 64] >> plane % 64 & 1) != 0;
-}
+// A byte for each plane in place of a bit: 1 where the eye is in front.
+struct SideBytes {
+  alignas(8) std::uint8_t in_front[most_block_nodes];
+
+  SideBytes(const BlockSides& sides, std::size_t count) {
+    for (std::size_t i = 0; i < count; i += 8) {
+      // Each byte keeps another of the eight bits, which then carries into its uppermost.
+      const std::uint64_t bits = (sides[i / 64] >> i % 64 & 0xff) * 0x0101010101010101 & 0x8040201008040201;
+      const std::uint64_t bytes = (bits + 0x7f7f7f7f7f7f7f7f) >> 7 & 0x0101010101010101;
+      for (int k = 0; k < 8; ++k) in_front[i + k] = static_cast<std::uint8_t>(bytes >> 8 * k);
+    }
+  }
+};
 
 // The triangles that are drawn, of `order`, which they replace.
-HWY_INLINE std::uint8_t cull(const PresortedBlocks& blocks, const Block& block, const BlockSides& sides,
+HWY_INLINE std::uint8_t cull(const PresortedBlocks& blocks, const Block& block, const SideBytes& sides,
                              std::uint8_t* order) {
-  std::uint8_t kept = 0;
-  for (std::size_t k = 0; k < block.triangle_count; ++k) {
+  const Facing* facings = blocks.facings.data() + block.first_triangle;
+  const Spot* spots = blocks.spots.data() + block.first_spot;
+  std::size_t kept = 0;
+  for (std::size_t k = 0, count = block.triangle_count; k < count; ++k) {
     const std::uint8_t t = order[k];
-    const Facing facing = blocks.facings[block.first_triangle + t];
+    const bool is_front = sides.in_front[spots[t].slot] != 0;
     order[kept] = t;
-    kept += facing == Facing::always ||
-            is_set(sides, blocks.spots[block.first_triangle + t].slot) == (facing == Facing::front);
+    kept += (facings[t] == Facing::always) | (is_front == (facings[t] == Facing::front));
   }
-  return kept;
+  return static_cast<std::uint8_t>(kept);
 }
 
 // From the root down, each node hands its subtrees the places where they begin: what is beyond its plane comes first,
-// then what is in it, then what is before it.
-void OrderBlock(const PresortedBlocks& blocks, std::size_t b, const BlockOrders& orders) {
-  const Block& block = blocks.blocks[b];
-  const BlockSides sides = orders.states[b].sides;
-  std::uint8_t place[no_slot + 1];
-  place[0] = 0;
+// then what is in it, then what is before it. Without branches: which side comes first can't be foreseen.
+template <bool culls>
+HWY_INLINE void order_block(const PresortedBlocks& blocks, std::size_t b, const BlockOrders& orders) {
+  const Block block = blocks.blocks[b];
+  const SideBytes sides(orders.states[b].sides, block.plane_count);
+  std::uint8_t places[no_slot + 1];
+  places[0] = 0;
   const Branch* branches = blocks.branches.data() + block.first_branch;
   for (std::size_t k = 0; k < block.branch_count; ++k) {
-    const Branch branch = branches[k];
-    const bool in_front = is_set(sides, branch.plane);
-    const unsigned begin = place[branch.slot];
-    const unsigned own = begin + (in_front ? branch.back_size : branch.front_size);
-    const unsigned last = own + branch.own_size;
-    place[branch.slot] = static_cast<std::uint8_t>(own);
-    place[branch.front_slot] = static_cast<std::uint8_t>(in_front ? last : begin);
-    place[branch.back_slot] = static_cast<std::uint8_t>(in_front ? begin : last);
+    const Branch& branch = branches[k];
+    const std::size_t in_front = sides.in_front[culls ? branch.slot : k];
+    const unsigned begin = places[branch.slot];
+    const unsigned own = begin + branch.sizes[in_front];
+    places[branch.slot] = static_cast<std::uint8_t>(own);
+    places[branch.slots[in_front]] = static_cast<std::uint8_t>(begin);
+    places[branch.slots[in_front + 1]] = static_cast<std::uint8_t>(own + branch.own_size);
   }
-  std::uint8_t* order = orders.orders + block.first_triangle;
-  const Spot* spots = blocks.spots.data() + block.first_triangle;
-  for (std::size_t t = 0; t < block.triangle_count; ++t) {
-    order[place[spots[t].slot] + spots[t].place] = static_cast<std::uint8_t>(t);
+  std::uint8_t* order = orders.orders + block.first_spot;
+  const Spot* spots = blocks.spots.data() + block.first_spot;
+  places[end_slot] = block.triangle_count;
+  for (std::size_t t = 0; t < block.triangle_count; t += triangles_at_a_time) {
+    for (std::size_t i = t; i < t + triangles_at_a_time; ++i) {
+      order[std::size_t{places[spots[i].slot]} + spots[i].place] = static_cast<std::uint8_t>(i);
+    }
   }
-  orders.kept[b] = blocks.facings.empty() ? block.triangle_count : cull(blocks, block, sides, order);
+  orders.kept[b] = culls ? cull(blocks, block, sides, order) : block.triangle_count;
+}
+
+void OrderBlock(const PresortedBlocks& blocks, std::size_t b, const BlockOrders& orders) {
+  blocks.facings.empty() ? order_block<false>(blocks, b, orders) : order_block<true>(blocks, b, orders);
 }
 
 bool OrderBlocks(const PresortedBlocks& blocks, const PlaneSource& source, std::size_t begin, std::size_t end,

@@ -43,7 +43,7 @@ struct BlockOrders {
   };
   State* states;
   std::uint8_t* kept;    // triangles that are drawn
-  std::uint8_t* orders;  // those of a block, from its first triangle on, by number in the block, back to front
+  std::uint8_t* orders;  // those of a block, from its first spot on, by number in the block, back to front
 };
 
 // Orders block `b` as its state's sides have it.
