@@ -11,9 +11,9 @@
 
 namespace facetsort::order_internal {
 
-// Beyond this a block would count in more than a byte; larger ones keep more nodes out of the top, smaller ones keep
-// their order in more of the small moves of an eye.
-constexpr std::size_t most_block_triangles = 128, most_block_nodes = 128;
+// Whatever a block counts fits a byte. Smaller ones keep their order in more of the small moves of an eye, but more of
+// them, and of the nodes above them, cost more in every move.
+constexpr std::size_t most_block_triangles = 192, most_block_nodes = 192;
 
 // Planes in a frame in which the vertices that they go through are within 1 of the origin: the eye (E, w) is in front
 // where dot(normal, E) + offset * w is positive. The largest component of a normal is 1. Where float can't tell a

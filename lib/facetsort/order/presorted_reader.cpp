@@ -64,7 +64,7 @@ struct PresortedReader::State {
         block_states(blocks.blocks.size()),
         kept(blocks.blocks.size()),
         orders(blocks.spots.size()),
-        top_sides((blocks.top.size() + 63) / 64),
+        top_sides((blocks.top.size() + 7) / 8),
         last_top_sides(top_sides.size()),
         places(blocks.top.size() + blocks.blocks.size() + 1),
         block_at(blocks.blocks.size()),
@@ -91,7 +91,7 @@ struct PresortedReader::State {
   PresortedBlocks blocks;
   std::vector<BlockOrders::State> block_states;
   std::vector<std::uint8_t> kept, orders;
-  std::vector<std::uint64_t> top_sides, last_top_sides;
+  std::vector<std::uint8_t> top_sides, last_top_sides;
   std::vector<std::uint32_t> places;    // where each element begins, counted in blocks
   std::vector<std::uint32_t> block_at;  // blocks, back to front
   std::vector<std::uint32_t> offsets;   // triangles drawn before each of these, and all
@@ -128,7 +128,7 @@ bool PresortedReader::State::order_all_blocks(const FrameEye& eye) {
 bool PresortedReader::State::find_top_sides(const FrameEye& eye) {
   const PlaneSource source{blocks.top_planes, mesh.nodes, mesh.mesh.positions};
   std::swap(top_sides, last_top_sides);
-  find_sides(source, 0, blocks.top.size(), eye, top_sides.data());
+  find_sides(source, eye, top_sides);
   return top_sides != last_top_sides;
 }
 
@@ -139,7 +139,7 @@ void PresortedReader::State::order_top() {
   places[top_count > 0 ? 0 : blocks.loose_blocks] = static_cast<std::uint32_t>(blocks.loose_blocks);  // the root
   for (std::size_t i = 0; i < top_count; ++i) {
     const TopNode& node = blocks.top[i];
-    const bool in_front = (top_sides[i / 64] >> i % 64 & 1) != 0;
+    const bool in_front = (top_sides[i / 8] >> i % 8 & 1) != 0;
     const std::uint32_t begin = places[i];
     std::uint32_t own = begin + (in_front ? node.back_blocks : node.front_blocks);
     const std::uint32_t last = own + node.own_count;
