@@ -62,7 +62,6 @@ class BlockMaker {
   BlockMaker(const PresortedView& mesh, bool culls_back_faces)
       : mesh_(mesh), culls_(culls_back_faces), own_(mesh.nodes.size()), below_(own_), blocks_below_(own_) {
     result_.frame = frame_of(mesh);
-    result_.spots.resize(mesh.triangles.size());
     if (culls_) result_.facings.resize(mesh.triangles.size());
   }
 
@@ -112,7 +111,8 @@ class BlockMaker {
   }
 
   void begin_block() {
-    result_.blocks.push_back({triangle_, static_cast<std::uint32_t>(result_.planes.size()),
+    result_.blocks.push_back({triangle_, static_cast<std::uint32_t>(result_.spots.size()),
+                              static_cast<std::uint32_t>(result_.planes.size()),
                               static_cast<std::uint32_t>(result_.branches.size()), 0, 0, 0});
   }
 
@@ -121,6 +121,9 @@ class BlockMaker {
     block.triangle_count = static_cast<std::uint8_t>(triangle_ - block.first_triangle);
     block.plane_count = static_cast<std::uint8_t>(result_.planes.size() - block.first_plane);
     block.branch_count = static_cast<std::uint8_t>(result_.branches.size() - block.first_branch);
+    for (std::uint8_t place = 0; result_.spots.size() % triangles_at_a_time != 0; ++place) {
+      result_.spots.push_back({end_slot, place});
+    }
   }
 
   void add_plane(std::size_t node) {
@@ -129,7 +132,7 @@ class BlockMaker {
 
   // The next triangle, of the next piece that has one left.
   void add_triangle(std::uint8_t slot, std::uint8_t place, Facing facing) {
-    result_.spots[triangle_] = {slot, place};
+    result_.spots.push_back({slot, place});
     if (culls_) result_.facings[triangle_] = facing;
     ++triangle_;
   }
@@ -168,27 +171,45 @@ class BlockMaker {
     }
   }
 
+  bool has_branches(std::size_t node) const {
+    return mesh_.nodes[node].front_nodes + mesh_.nodes[node].back_nodes > 0;
+  }
+
+  // Level by level: what a node hands down is long known when the nodes below it take it up.
+  void add_branches(std::size_t root) {
+    level_.clear();
+    if (has_branches(root)) level_.push_back(root);
+    for (std::size_t k = 0; k < level_.size(); ++k) {
+      const std::size_t node = level_[k];
+      const auto slot_of_child = [&](std::size_t child, std::uint32_t nodes) {
+        if (nodes == 0) return no_slot;
+        if (has_branches(child)) level_.push_back(child);
+        return static_cast<std::uint8_t>(child - root);
+      };
+      const std::uint8_t front_slot = slot_of_child(front_of(node), mesh_.nodes[node].front_nodes);
+      const std::uint8_t back_slot = slot_of_child(back_of(node), mesh_.nodes[node].back_nodes);
+      result_.branches.push_back(
+          {static_cast<std::uint8_t>(node - root),
+           static_cast<std::uint8_t>(own_[node]),
+           {static_cast<std::uint8_t>(of_front(below_, node)), static_cast<std::uint8_t>(of_back(below_, node))},
+           {front_slot, back_slot, front_slot}});
+      if (!culls_) add_plane(node);
+    }
+  }
+
   void add_block(std::size_t root) {
     begin_block();
+    add_branches(root);
     const std::size_t end = root + node_count(root);
-    const auto slot_of = [&](std::size_t node) { return static_cast<std::uint8_t>(node - root); };
     for (std::size_t node = root; node < end; ++node) {
       const PresortedNode& from = mesh_.nodes[node];
-      const bool has_branches = from.front_nodes + from.back_nodes > 0;
-      if (has_branches) {
-        const std::size_t plane = culls_ ? node - root : result_.planes.size() - result_.blocks.back().first_plane;
-        result_.branches.push_back(
-            {slot_of(node), from.front_nodes > 0 ? slot_of(front_of(node)) : no_slot,
-             from.back_nodes > 0 ? slot_of(back_of(node)) : no_slot, static_cast<std::uint8_t>(plane),
-             static_cast<std::uint8_t>(of_front(below_, node)), static_cast<std::uint8_t>(of_back(below_, node)),
-             static_cast<std::uint8_t>(own_[node])});
-      }
-      if (has_branches || culls_) add_plane(node);
+      const auto slot = static_cast<std::uint8_t>(node - root);
+      if (culls_) add_plane(node);
       std::uint8_t place = 0;
       for (std::uint32_t k = 0; k < from.piece_count; ++k) {
         const PresortedPiece& piece = mesh_.pieces[piece_++];
         const Facing facing = facing_of(node, piece);
-        for (std::uint32_t t = 0; t < piece.triangle_count; ++t) add_triangle(slot_of(node), place++, facing);
+        for (std::uint32_t t = 0; t < piece.triangle_count; ++t) add_triangle(slot, place++, facing);
       }
     }
     end_block();
@@ -233,7 +254,7 @@ class BlockMaker {
   const bool culls_;
   std::vector<std::uint32_t> own_, below_, blocks_below_;  // of each node
   std::vector<std::uint32_t> element_;                     // of each node that is of the top, or a block's root
-  std::vector<std::size_t> top_nodes_;
+  std::vector<std::size_t> top_nodes_, level_;
   std::size_t loose_pieces_ = 0, piece_ = 0;  // the next
   std::uint32_t triangle_ = 0;                // the next
   PresortedBlocks result_;

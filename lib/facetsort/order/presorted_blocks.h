@@ -11,9 +11,9 @@
 
 namespace facetsort::order_internal {
 
-// Beyond this a block would count in more than a byte; larger ones keep more nodes out of the top, smaller ones keep
-// their order in more of the small moves of an eye.
-constexpr std::size_t most_block_triangles = 128, most_block_nodes = 128;
+// Whatever a block counts fits a byte. Smaller ones keep their order in more of the small moves of an eye, but more of
+// them, and of the nodes above them, cost more in every move.
+constexpr std::size_t most_block_triangles = 192, most_block_nodes = 192;
 
 // Planes in a frame in which the vertices that they go through are within 1 of the origin: the eye (E, w) is in front
 // where dot(normal, E) + offset * w is positive. The largest component of a normal is 1. Where float can't tell a
@@ -32,14 +32,17 @@ struct PlaneFrame {
   double scale = 1;  // a power of two
 };
 
-// Nodes of a block have slots, in preorder from 0 on. That for a child that a node does not have is written, not read.
-constexpr std::uint8_t no_slot = 255;
+// Nodes of a block have slots, in preorder from 0 on. One is for children that a node does not have, and is written but
+// not read; one is for the end of the block.
+constexpr std::uint8_t no_slot = 255, end_slot = 254;
 
-// A node with nodes below it, and the triangles on its sides and in its plane.
+// A node with nodes below it, and the triangles on its sides and in its plane. What comes first is told by whether the
+// eye is in front, 0 or 1: sizes[in_front] is that of the subtree in slots[in_front], which slots[in_front + 1] follows.
 struct Branch {
-  std::uint8_t slot, front_slot, back_slot;
-  std::uint8_t plane;  // of the block's
-  std::uint8_t front_size, back_size, own_size;
+  std::uint8_t slot, own_size;
+  std::uint8_t sizes[2];  // front, back
+  std::uint8_t slots[3];  // front, back, front
+  std::uint8_t unused = 0;
 };
 
 // Where a triangle stands: its node's slot, and its place among that node's.
@@ -50,9 +53,12 @@ struct Spot {
 // When a triangle is drawn, where back faces are culled: the side of its node's plane that it is seen from.
 enum class Facing : std::uint8_t { front, back, always };
 
+// Loops over the triangles of a block take so many at a time: blocks are filled up with spots at their end.
+constexpr std::size_t triangles_at_a_time = 4;
+
 // Triangles in a row: of a subtree, or of a node of the top, or of pieces without a node.
 struct Block {
-  std::uint32_t first_triangle, first_plane, first_branch;
+  std::uint32_t first_triangle, first_spot, first_plane, first_branch;
   std::uint8_t triangle_count, plane_count, branch_count;
 };
 
@@ -68,7 +74,7 @@ struct PresortedBlocks {
   std::vector<Block> blocks;  // in the order of the tree; the first are those without a node
   std::size_t loose_blocks = 0;
   std::vector<Branch> branches;
-  std::vector<Spot> spots;      // of each triangle
+  std::vector<Spot> spots;      // of the triangles of each block
   std::vector<Facing> facings;  // of each triangle, where back faces are culled
   PlaneArrays planes;           // of branches; where back faces are culled, of all nodes, by slot
   std::vector<TopNode> top;     // preorder

@@ -46,7 +46,7 @@ HWY_INLINE Vec distances(const PlaneArrays& planes, std::size_t i, const Eye& ey
 }
 
 template <typename Mask>
-HWY_INLINE std::uint64_t bits_of(const Mask& mask) {
+HWY_INLINE unsigned bits_of(const Mask& mask) {
   std::uint8_t bytes[8] = {};
   hn::StoreMaskBits(Tag(), mask, bytes);
   return bytes[0];
@@ -54,37 +54,36 @@ HWY_INLINE std::uint64_t bits_of(const Mask& mask) {
 
 // Those that float leaves in doubt.
 HWY_NOINLINE void decide_exactly(const PlaneSource& source, std::size_t first, std::size_t count, const FrameEye& eye,
-                                 std::uint64_t* sides) {
+                                 std::uint8_t* sides) {
   const Tag d;
   const Eye e = eye_of(eye);
   for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
     const auto in_doubt = hn::And(hn::Le(hn::Abs(distances(source.planes, first + i, e)), hn::Set(d, rounding)),
                                   hn::FirstN(d, count - i));
-    for (std::uint64_t bits = bits_of(in_doubt); bits != 0; bits &= bits - 1) {
+    for (unsigned bits = bits_of(in_doubt); bits != 0; bits &= bits - 1) {
       const std::size_t plane = i + static_cast<std::size_t>(std::countr_zero(bits));
       const glm::uvec3& corners = source.nodes[source.planes.node[first + plane]].plane;
       const int side = eye_side(source.positions[corners.x], source.positions[corners.y], source.positions[corners.z],
                                 eye.eye);
-      const std::uint64_t bit = std::uint64_t{1} << plane % 64;
-      sides[plane / 64] = side >= 0 ? sides[plane / 64] | bit : sides[plane / 64] & ~bit;
+      const unsigned bit = 1u << plane % 8;
+      const unsigned others = sides[plane / 8] & ~bit;
+      sides[plane / 8] = static_cast<std::uint8_t>(side >= 0 ? others | bit : others);
     }
   }
 }
 
+// Of planes [first, first + count), into `sides`, which is zero. Gives by how much distance_between() a later eye has to be less to be on the same sides; 0
+// or less where that can't be said.
 HWY_INLINE float find_sides(const PlaneSource& source, std::size_t first, std::size_t count, const FrameEye& eye,
-                            const Eye& e, std::uint64_t* sides) {
+                            const Eye& e, std::uint8_t* sides) {
   const Tag d;
   Vec least = hn::Set(d, std::numeric_limits<float>::infinity());
-  for (std::size_t begin = 0; begin < count; begin += 64) {
-    const std::size_t size = std::min<std::size_t>(64, count - begin);
-    std::uint64_t word = 0;
-    for (std::size_t i = 0; i < size; i += hn::Lanes(d)) {
-      const Vec value = distances(source.planes, first + begin + i, e);
-      const auto mask = hn::FirstN(d, size - i);
-      least = hn::Min(least, hn::IfThenElse(mask, hn::Abs(value), least));
-      word |= bits_of(hn::And(hn::Gt(value, hn::Zero(d)), mask)) << i;
-    }
-    sides[begin / 64] = word;
+  for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
+    const Vec value = distances(source.planes, first + i, e);
+    const auto mask = hn::FirstN(d, count - i);
+    least = hn::Min(least, hn::IfThenElse(mask, hn::Abs(value), least));
+    const unsigned bits = bits_of(hn::And(hn::Gt(value, hn::Zero(d)), mask));
+    sides[i / 8] = static_cast<std::uint8_t>(sides[i / 8] | bits << i % 8);
   }
   const float smallest = hn::GetLane(hn::MinOfLanes(d, least));
   if (smallest <= rounding) decide_exactly(source, first, count, eye, sides);
@@ -92,53 +91,71 @@ HWY_INLINE float find_sides(const PlaneSource& source, std::size_t first, std::s
   return smallest - 4 * rounding;
 }
 
-float FindSides(const PlaneSource& source, std::size_t first, std::size_t count, const FrameEye& eye,
-                std::uint64_t* sides) {
-  return find_sides(source, first, count, eye, eye_of(eye), sides);
+void FindSides(const PlaneSource& source, const FrameEye& eye, std::span<std::uint8_t> sides) {
+  std::fill(sides.begin(), sides.end(), std::uint8_t{0});
+  find_sides(source, 0, source.planes.size(), eye, eye_of(eye), sides.data());
 }
 
-HWY_INLINE bool is_set(const BlockSides& sides, std::size_t plane) {
-  return (sides[plane / 64] >> plane % 64 & 1) != 0;
-}
+// A byte for each plane in place of a bit: 1 where the eye is in front.
+struct SideBytes {
+  alignas(8) std::uint8_t in_front[most_block_nodes];
+
+  SideBytes(const BlockSides& sides, std::size_t count) {
+    for (std::size_t i = 0; i < count; i += 8) {
+      // Each byte keeps another of the eight bits, which then carries into its uppermost.
+      const std::uint64_t bits = std::uint64_t{sides[i / 8]} * 0x0101010101010101 & 0x8040201008040201;
+      const std::uint64_t bytes = (bits + 0x7f7f7f7f7f7f7f7f) >> 7 & 0x0101010101010101;
+      for (int k = 0; k < 8; ++k) in_front[i + k] = static_cast<std::uint8_t>(bytes >> 8 * k);
+    }
+  }
+};
 
 // The triangles that are drawn, of `order`, which they replace.
-HWY_INLINE std::uint8_t cull(const PresortedBlocks& blocks, const Block& block, const BlockSides& sides,
+HWY_INLINE std::uint8_t cull(const PresortedBlocks& blocks, const Block& block, const SideBytes& sides,
                              std::uint8_t* order) {
-  std::uint8_t kept = 0;
-  for (std::size_t k = 0; k < block.triangle_count; ++k) {
+  const Facing* facings = blocks.facings.data() + block.first_triangle;
+  const Spot* spots = blocks.spots.data() + block.first_spot;
+  std::size_t kept = 0;
+  for (std::size_t k = 0, count = block.triangle_count; k < count; ++k) {
     const std::uint8_t t = order[k];
-    const Facing facing = blocks.facings[block.first_triangle + t];
+    const bool is_front = sides.in_front[spots[t].slot] != 0;
     order[kept] = t;
-    kept += facing == Facing::always ||
-            is_set(sides, blocks.spots[block.first_triangle + t].slot) == (facing == Facing::front);
+    kept += (facings[t] == Facing::always) | (is_front == (facings[t] == Facing::front));
   }
-  return kept;
+  return static_cast<std::uint8_t>(kept);
 }
 
 // From the root down, each node hands its subtrees the places where they begin: what is beyond its plane comes first,
-// then what is in it, then what is before it.
-void OrderBlock(const PresortedBlocks& blocks, std::size_t b, const BlockOrders& orders) {
-  const Block& block = blocks.blocks[b];
-  const BlockSides sides = orders.states[b].sides;
-  std::uint8_t place[no_slot + 1];
-  place[0] = 0;
+// then what is in it, then what is before it. Without branches: which side comes first can't be foreseen.
+template <bool culls>
+HWY_INLINE void order_block(const PresortedBlocks& blocks, std::size_t b, const BlockOrders& orders) {
+  const Block block = blocks.blocks[b];
+  const SideBytes sides(orders.states[b].sides, block.plane_count);
+  std::uint8_t places[no_slot + 1];
+  places[0] = 0;
   const Branch* branches = blocks.branches.data() + block.first_branch;
   for (std::size_t k = 0; k < block.branch_count; ++k) {
-    const Branch branch = branches[k];
-    const bool in_front = is_set(sides, branch.plane);
-    const unsigned begin = place[branch.slot];
-    const unsigned own = begin + (in_front ? branch.back_size : branch.front_size);
-    const unsigned last = own + branch.own_size;
-    place[branch.slot] = static_cast<std::uint8_t>(own);
-    place[branch.front_slot] = static_cast<std::uint8_t>(in_front ? last : begin);
-    place[branch.back_slot] = static_cast<std::uint8_t>(in_front ? begin : last);
+    const Branch& branch = branches[k];
+    const std::size_t in_front = sides.in_front[culls ? branch.slot : k];
+    const unsigned begin = places[branch.slot];
+    const unsigned own = begin + branch.sizes[in_front];
+    places[branch.slot] = static_cast<std::uint8_t>(own);
+    places[branch.slots[in_front]] = static_cast<std::uint8_t>(begin);
+    places[branch.slots[in_front + 1]] = static_cast<std::uint8_t>(own + branch.own_size);
   }
-  std::uint8_t* order = orders.orders + block.first_triangle;
-  const Spot* spots = blocks.spots.data() + block.first_triangle;
-  for (std::size_t t = 0; t < block.triangle_count; ++t) {
-    order[place[spots[t].slot] + spots[t].place] = static_cast<std::uint8_t>(t);
+  std::uint8_t* order = orders.orders + block.first_spot;
+  const Spot* spots = blocks.spots.data() + block.first_spot;
+  places[end_slot] = block.triangle_count;
+  for (std::size_t t = 0; t < block.triangle_count; t += triangles_at_a_time) {
+    for (std::size_t i = t; i < t + triangles_at_a_time; ++i) {
+      order[std::size_t{places[spots[i].slot]} + spots[i].place] = static_cast<std::uint8_t>(i);
+    }
   }
-  orders.kept[b] = blocks.facings.empty() ? block.triangle_count : cull(blocks, block, sides, order);
+  orders.kept[b] = culls ? cull(blocks, block, sides, order) : block.triangle_count;
+}
+
+void OrderBlock(const PresortedBlocks& blocks, std::size_t b, const BlockOrders& orders) {
+  blocks.facings.empty() ? order_block<false>(blocks, b, orders) : order_block<true>(blocks, b, orders);
 }
 
 bool OrderBlocks(const PresortedBlocks& blocks, const PlaneSource& source, std::size_t begin, std::size_t end,
@@ -183,9 +200,8 @@ double distance_between(const FrameEye& a, const FrameEye& b) {
   return moved.x + moved.y + moved.z + 3 * moved.w;
 }
 
-float find_sides(const PlaneSource& source, std::size_t first, std::size_t count, const FrameEye& eye,
-                 std::uint64_t* sides) {
-  return HWY_DYNAMIC_DISPATCH(FindSides)(source, first, count, eye, sides);
+void find_sides(const PlaneSource& source, const FrameEye& eye, std::span<std::uint8_t> sides) {
+  HWY_DYNAMIC_DISPATCH(FindSides)(source, eye, sides);
 }
 
 void order_block(const PresortedBlocks& blocks, std::size_t b, const BlockOrders& orders) {

@@ -28,12 +28,10 @@ struct PlaneSource {
   std::span<const glm::vec3> positions;
 };
 
-// Bits, 1 where the eye is in front of a plane, or in it.
-using BlockSides = std::array<std::uint64_t, most_block_nodes / 64>;
-// Of planes [first, first + count), into words of 64. Gives by how much distance_between() any later eye has to be less
-// for the same sides; 0 or less where that can't be said.
-float find_sides(const PlaneSource& source, std::size_t first, std::size_t count, const FrameEye& eye,
-                 std::uint64_t* sides);
+// Sides of planes, eight a byte, the first in the lowest bit: 1 where the eye is in front of a plane, or in it.
+using BlockSides = std::array<std::uint8_t, most_block_nodes / 8>;
+// Of all planes of the source.
+void find_sides(const PlaneSource& source, const FrameEye& eye, std::span<std::uint8_t> sides);
 
 // Of each block: what was found for an eye, and what follows from it.
 struct BlockOrders {
@@ -43,7 +41,7 @@ struct BlockOrders {
   };
   State* states;
   std::uint8_t* kept;    // triangles that are drawn
-  std::uint8_t* orders;  // those of a block, from its first triangle on, by number in the block, back to front
+  std::uint8_t* orders;  // those of a block, from its first spot on, by number in the block, back to front
 };
 
 // Orders block `b` as its state's sides have it.

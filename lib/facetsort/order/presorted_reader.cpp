@@ -31,7 +31,29 @@ constexpr double longest_way = 4;
 
 constexpr std::uint32_t no_draw_id = 0xffffffffu;
 
-void copy_triangle(const glm::uvec3& from, std::uint32_t* to) { std::memcpy(to, &from, sizeof from); }
+// Where a row of triangles goes, and how many of the memory's there are from there on.
+struct Run {
+  const glm::uvec3* from;
+  std::uint32_t* to;
+  std::size_t readable, writable;
+};
+
+// Writes from[order[k]] for each k below count. Where there is room, four words at a time: what is one word too many
+// the next triangle overwrites, and what is up to three triangles too many, the next block.
+void write_triangles(const Run& run, const std::uint8_t* order, std::size_t count) {
+  static_assert(triangles_at_a_time == 4);
+  if (run.readable > most_block_triangles + triangles_at_a_time && run.writable > count + triangles_at_a_time) {
+    for (std::size_t k = 0; k < count; k += triangles_at_a_time) {
+      for (std::size_t i = k; i < k + triangles_at_a_time; ++i) {
+        std::uint32_t words[4];
+        std::memcpy(words, run.from + order[i], sizeof words);
+        std::memcpy(run.to + 3 * i, words, sizeof words);
+      }
+    }
+  } else {
+    for (std::size_t k = 0; k < count; ++k) std::memcpy(run.to + 3 * k, run.from + order[k], sizeof(glm::uvec3));
+  }
+}
 
 }  // namespace
 
@@ -41,8 +63,8 @@ struct PresortedReader::State {
         blocks(make_blocks(mesh_in, options.cull_back_faces)),
         block_states(blocks.blocks.size()),
         kept(blocks.blocks.size()),
-        orders(mesh_in.triangles.size()),
-        top_sides((blocks.top.size() + 63) / 64),
+        orders(blocks.spots.size()),
+        top_sides((blocks.top.size() + 7) / 8),
         last_top_sides(top_sides.size()),
         places(blocks.top.size() + blocks.blocks.size() + 1),
         block_at(blocks.blocks.size()),
@@ -69,7 +91,7 @@ struct PresortedReader::State {
   PresortedBlocks blocks;
   std::vector<BlockOrders::State> block_states;
   std::vector<std::uint8_t> kept, orders;
-  std::vector<std::uint64_t> top_sides, last_top_sides;
+  std::vector<std::uint8_t> top_sides, last_top_sides;
   std::vector<std::uint32_t> places;    // where each element begins, counted in blocks
   std::vector<std::uint32_t> block_at;  // blocks, back to front
   std::vector<std::uint32_t> offsets;   // triangles drawn before each of these, and all
@@ -106,7 +128,7 @@ bool PresortedReader::State::order_all_blocks(const FrameEye& eye) {
 bool PresortedReader::State::find_top_sides(const FrameEye& eye) {
   const PlaneSource source{blocks.top_planes, mesh.nodes, mesh.mesh.positions};
   std::swap(top_sides, last_top_sides);
-  find_sides(source, 0, blocks.top.size(), eye, top_sides.data());
+  find_sides(source, eye, top_sides);
   return top_sides != last_top_sides;
 }
 
@@ -117,7 +139,7 @@ void PresortedReader::State::order_top() {
   places[top_count > 0 ? 0 : blocks.loose_blocks] = static_cast<std::uint32_t>(blocks.loose_blocks);  // the root
   for (std::size_t i = 0; i < top_count; ++i) {
     const TopNode& node = blocks.top[i];
-    const bool in_front = (top_sides[i / 64] >> i % 64 & 1) != 0;
+    const bool in_front = (top_sides[i / 8] >> i % 8 & 1) != 0;
     const std::uint32_t begin = places[i];
     std::uint32_t own = begin + (in_front ? node.back_blocks : node.front_blocks);
     const std::uint32_t last = own + node.own_count;
@@ -136,13 +158,15 @@ void PresortedReader::State::order_top() {
   offsets.back() = offset;
 }
 
-// Calls write(first triangle, order, count, offset) for blocks as they are drawn, a task for blocks in a row.
+// Calls write(block, order, count, offset, room) for blocks as they are drawn, a task for blocks in a row: `count`
+// triangles of its, from the `offset`-th drawn on; the task writes `room`.
 template <typename Write>
 void PresortedReader::State::for_blocks_drawn(const Write& write) const {
   parallel_ranges(block_at.size(), blocks_per_task, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
-      const std::size_t first = blocks.blocks[block_at[k]].first_triangle;
-      write(first, orders.data() + first, kept[block_at[k]], offsets[k]);
+      const std::uint32_t b = block_at[k];
+      const Block& block = blocks.blocks[b];
+      write(block, orders.data() + block.first_spot, kept[b], offsets[k], offsets[end] - offsets[k]);
     }
   });
 }
@@ -176,10 +200,12 @@ std::size_t PresortedReader::read_indices(const glm::vec4& eye, std::span<std::u
   assert(ids.empty() || ids.size() >= state.mesh.triangles.size());
   state.go_to(eye);
   if (!ids.empty()) state.find_facets();
-  state.for_blocks_drawn([&](std::size_t first, const std::uint8_t* order, std::size_t count, std::size_t offset) {
-    const glm::uvec3* triangles = state.mesh.triangles.data() + first;
-    std::uint32_t* to = indices.data() + 3 * offset;
-    for (std::size_t k = 0; k < count; ++k) copy_triangle(triangles[order[k]], to + 3 * k);
+  const std::span<const glm::uvec3> triangles = state.mesh.triangles;
+  state.for_blocks_drawn([&](const Block& block, const std::uint8_t* order, std::size_t count, std::size_t offset,
+                             std::size_t room) {
+    const std::size_t first = block.first_triangle;
+    write_triangles({triangles.data() + first, indices.data() + 3 * offset, triangles.size() - first, room}, order,
+                    count);
     if (ids.empty()) return;
     for (std::size_t k = 0; k < count; ++k) ids[offset + k] = state.facets[first + order[k]];
   });
@@ -193,9 +219,9 @@ std::size_t PresortedReader::read_draw_ids(const glm::vec4& eye, std::span<std::
   state.find_draw_ids();
   std::size_t count = 0;
   for (std::size_t k = 0; k < state.block_at.size(); ++k) {
-    const std::size_t first = state.blocks.blocks[state.block_at[k]].first_triangle;
+    const Block& block = state.blocks.blocks[state.block_at[k]];
     for (std::size_t i = 0; i < state.kept[state.block_at[k]]; ++i) {
-      const std::uint32_t id = state.draw_ids[first + state.orders[first + i]];
+      const std::uint32_t id = state.draw_ids[block.first_triangle + state.orders[block.first_spot + i]];
       if (id != no_draw_id) ids[count++] = id;
     }
   }
