@@ -59,9 +59,25 @@ auto sum_of(std::size_t count, const Value& value) {
       std::plus<>());
 }
 
-// Without a branch: infinity less itself is no number.
+// The numbers of vectors one after another: loops over them become vector instructions.
+template <typename Number>
+std::span<const Number> numbers_of(std::span<const glm::vec<3, Number>> vectors) {
+  return {reinterpret_cast<const Number*>(vectors.data()), 3 * vectors.size()};
+}
+
+// Infinity less itself is no number.
+bool is_finite(float value) {
+  return value - value == 0;
+}
+
 bool is_finite(const glm::vec3& p) {
-  return (p.x - p.x) + (p.y - p.y) + (p.z - p.z) == 0;
+  return is_finite(p.x) && is_finite(p.y) && is_finite(p.z);
+}
+
+// The first that is not finite, or their number.
+std::size_t first_infinite(std::span<const glm::vec3> points) {
+  const auto coordinates = numbers_of(points);
+  return first_fault(coordinates.size(), [&](std::size_t i) { return is_finite(coordinates[i]); }) / 3;
 }
 
 // The view under test, and what several of the tests ask of it.
@@ -71,8 +87,7 @@ class Checker {
       : view_(view),
         facets_(view.mesh.facet_count()),
         vertices_(view.mesh.vertex_count()),
-        positions_finite_(first_fault(vertices_, [&](std::size_t v) { return is_finite(view.mesh.positions[v]); }) ==
-                          vertices_) {}
+        positions_finite_(first_infinite(view.mesh.positions) == vertices_) {}
 
   Status check_tree() const;
   Status check_buffers(const IndexBuffers& buffers) const;
@@ -98,6 +113,8 @@ class Checker {
   bool is_somewhere(std::uint32_t vertex) const {
     return vertex >= vertices_ || is_finite(view_.mesh.positions[vertex]);
   }
+  // The first triple that are_usable() is not true of, or their number.
+  std::size_t first_unusable(std::span<const glm::uvec3> triples, std::size_t limit) const;
   Status bad_vertex(const std::string& place) const;
 
   const PresortedView& view_;
@@ -108,6 +125,15 @@ class Checker {
 Status Checker::bad_vertex(const std::string& place) const {
   return {Fault::index_out_of_range, place + " names a vertex that is not among the mesh's " +
                                          std::to_string(vertices_) + ", or whose position is not finite"};
+}
+
+std::size_t Checker::first_unusable(std::span<const glm::uvec3> triples, std::size_t limit) const {
+  if (!positions_finite_) {
+    return first_fault(triples.size(), [&](std::size_t t) { return are_usable(triples[t], limit); });
+  }
+  const auto vertices = numbers_of(triples);
+  const auto end = static_cast<std::uint32_t>(limit);
+  return first_fault(vertices.size(), [&](std::size_t i) { return vertices[i] < end; }) / 3;
 }
 
 // With no facet all is well: the empty mesh has an order too.
@@ -121,9 +147,8 @@ Status Checker::check_mesh() const {
                                       std::to_string(mesh.vertex_colours.size()) + " vertex colours for 0 facets and " +
                                       std::to_string(vertices_) + " vertices"};
   }
-  const bool is_sound =
-      facets_ <= most_elements && vertices_ <= most_elements && colours_fit &&
-      first_fault(facets_, [&](std::size_t f) { return are_usable(mesh.triangles[f], vertices_); }) == facets_;
+  const bool is_sound = facets_ <= most_elements && vertices_ <= most_elements && colours_fit &&
+                        first_unusable(mesh.triangles, vertices_) == facets_;
   return is_sound ? Status{} : validate(mesh);
 }
 
@@ -160,7 +185,7 @@ Status Checker::check_made_vertices() const {
     return {Fault::size_mismatch,
             std::to_string(positions.size()) + " positions for " + std::to_string(vertices.size()) + " made vertices"};
   }
-  const std::size_t infinite = first_fault(positions.size(), [&](std::size_t v) { return is_finite(positions[v]); });
+  const std::size_t infinite = first_infinite(positions);
   if (infinite != positions.size()) {
     return {Fault::non_finite_position, numbered("made vertex", infinite) + ": its position is not finite"};
   }
@@ -246,8 +271,7 @@ Status Checker::check_coverage() const {
 
 Status Checker::check_triangles() const {
   const auto triangles = view_.triangles;
-  const std::size_t all = vertices_ + view_.made_vertices.size();
-  const std::size_t fault = first_fault(triangles.size(), [&](std::size_t t) { return are_usable(triangles[t], all); });
+  const std::size_t fault = first_unusable(triangles, vertices_ + view_.made_vertices.size());
   if (fault == triangles.size()) return {};
   return {Fault::index_out_of_range,
           numbered("triangle", fault) + " names a vertex that is not among the " + std::to_string(vertices_) + " and " +
