@@ -13,6 +13,8 @@ void register_floor_benchmarks();
 void register_peer_benchmarks();
 // exact/MESH, exact_tree/MESH, presorted/MESH: the exact orders, cuts included.
 void register_exact_benchmarks();
+// open_fsort, write_fsort: presorted meshes as files; read_bytes: copying such a file's bytes alone.
+void register_presorted_file_benchmarks();
 // vtk_depth_sort/MESH: VTK's own, where the build found VTK.
 void register_vtk_benchmarks();
 // draw/FORMAT/MESH: the blend target at 1024 x 1024, facets already in order.

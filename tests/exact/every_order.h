@@ -11,7 +11,7 @@ inline constexpr OrderFrom every_order[] = {OrderFrom::pairs, OrderFrom::tree, O
 
 // As part of a test's name.
 inline std::string name_of(OrderFrom from) {
-  return from == OrderFrom::pairs ? "Pairs" : from == OrderFrom::tree ? "Tree" : "TreePieces";
+  return from == OrderFrom::pairs ? "Pairs" : from == OrderFrom::tree ? "Tree" : "Presorted";
 }
 
 }  // namespace facetsort

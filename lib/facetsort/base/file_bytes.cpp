@@ -8,9 +8,7 @@
 #endif
 
 #include <cerrno>
-#include <cstdint>
 #include <cstdio>
-#include <limits>
 #include <memory>
 #include <new>
 #include <string>
@@ -72,20 +70,18 @@ Result<FileBytes> FileBytes::open(const std::filesystem::path& path) {
   if (Status status = check_regular(path); !status.ok()) return status;
   const std::unique_ptr<std::FILE, CloseFile> file(std::fopen(path.c_str(), "rb"));
   if (!file) return cannot_read(path, "cannot be opened: " + std::generic_category().message(errno));
-  std::error_code error;
-  const std::uintmax_t size = std::filesystem::file_size(path, error);
-  if (error) return cannot_read(path, "cannot be read: " + error.message());
-  if (size > std::numeric_limits<std::ptrdiff_t>::max()) {
-    return Status{Fault::out_of_memory, path.string() + ": larger than memory can be"};
-  }
+  // Of the open file: another may take its name meanwhile.
+  const long end = std::fseek(file.get(), 0, SEEK_END) == 0 ? std::ftell(file.get()) : -1;
+  if (end < 0) return cannot_read(path, "cannot be read: " + std::generic_category().message(errno));
 
   FileBytes opened;
-  if (size == 0) return opened;
-  const auto length = static_cast<std::size_t>(size);
+  if (end == 0) return opened;
+  const auto length = static_cast<std::size_t>(end);
   if (const std::byte* const mapped = map(file.get(), length)) {
     opened.bytes_ = {mapped, length};
     return opened;
   }
+  std::rewind(file.get());
   try {
     opened.read_.resize(length);
   } catch (const std::bad_alloc&) {

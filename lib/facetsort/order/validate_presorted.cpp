@@ -46,24 +46,38 @@ std::size_t first_fault(std::size_t count, const IsSound& is_sound) {
   return tbb::parallel_reduce(all, count, first_in, [](std::size_t a, std::size_t b) { return std::min(a, b); });
 }
 
+// Of value(i), of a type that 0 makes a zero of.
 template <typename Value>
-std::uint64_t sum_of(std::size_t count, const Value& value) {
+auto sum_of(std::size_t count, const Value& value) {
+  using Sum = decltype(value(0));
   return tbb::parallel_reduce(
-      tbb::blocked_range<std::size_t>(0, count, elements_per_task), std::uint64_t{0},
-      [&](const tbb::blocked_range<std::size_t>& range, std::uint64_t sum) {
+      tbb::blocked_range<std::size_t>(0, count, elements_per_task), Sum(0),
+      [&](const tbb::blocked_range<std::size_t>& range, Sum sum) {
         for (std::size_t i = range.begin(); i < range.end(); ++i) sum += value(i);
         return sum;
       },
       std::plus<>());
 }
 
-bool is_finite(float value) {
-  return std::abs(value) <= std::numeric_limits<float>::max();
+// The numbers of vectors one after another: loops over them become vector instructions.
+template <typename Number>
+std::span<const Number> numbers_of(std::span<const glm::vec<3, Number>> vectors) {
+  return {reinterpret_cast<const Number*>(vectors.data()), 3 * vectors.size()};
 }
 
-// Branches would keep vector instructions out.
+// Infinity less itself is no number.
+bool is_finite(float value) {
+  return value - value == 0;
+}
+
 bool is_finite(const glm::vec3& p) {
-  return is_finite(p.x) & is_finite(p.y) & is_finite(p.z);
+  return is_finite(p.x) && is_finite(p.y) && is_finite(p.z);
+}
+
+// The first that is not finite, or their number.
+std::size_t first_infinite(std::span<const glm::vec3> points) {
+  const auto coordinates = numbers_of(points);
+  return first_fault(coordinates.size(), [&](std::size_t i) { return is_finite(coordinates[i]); }) / 3;
 }
 
 // The view under test, and what several of the tests ask of it.
@@ -73,8 +87,7 @@ class Checker {
       : view_(view),
         facets_(view.mesh.facet_count()),
         vertices_(view.mesh.vertex_count()),
-        positions_finite_(first_fault(vertices_, [&](std::size_t v) { return is_finite(view.mesh.positions[v]); }) ==
-                          vertices_) {}
+        positions_finite_(first_infinite(view.mesh.positions) == vertices_) {}
 
   Status check_tree() const;
   Status check_buffers(const IndexBuffers& buffers) const;
@@ -91,13 +104,17 @@ class Checker {
   Status check_planes() const;
   Status check_directions(const IndexBuffers& buffers) const;
 
-  // Whether it is there, and its position finite: vertices that no facet uses may be anywhere.
-  bool is_usable(std::uint32_t vertex) const {
-    return vertex < vertices_ && (positions_finite_ || is_finite(view_.mesh.positions[vertex]));
+  // Whether all are below `limit` and have finite positions: vertices that no facet uses may be anywhere, and made ones
+  // are judged by themselves.
+  bool are_usable(const glm::uvec3& v, std::size_t limit) const {
+    return std::max(std::max(v.x, v.y), v.z) < limit &&
+           (positions_finite_ || (is_somewhere(v.x) && is_somewhere(v.y) && is_somewhere(v.z)));
   }
-  bool are_usable(const glm::uvec3& v) const { return is_usable(v.x) && is_usable(v.y) && is_usable(v.z); }
-  // The same of vertices that may be made ones.
-  bool are_drawable(const glm::uvec3& v) const;
+  bool is_somewhere(std::uint32_t vertex) const {
+    return vertex >= vertices_ || is_finite(view_.mesh.positions[vertex]);
+  }
+  // The first triple that are_usable() is not true of, or their number.
+  std::size_t first_unusable(std::span<const glm::uvec3> triples, std::size_t limit) const;
   Status bad_vertex(const std::string& place) const;
 
   const PresortedView& view_;
@@ -108,6 +125,15 @@ class Checker {
 Status Checker::bad_vertex(const std::string& place) const {
   return {Fault::index_out_of_range, place + " names a vertex that is not among the mesh's " +
                                          std::to_string(vertices_) + ", or whose position is not finite"};
+}
+
+std::size_t Checker::first_unusable(std::span<const glm::uvec3> triples, std::size_t limit) const {
+  if (!positions_finite_) {
+    return first_fault(triples.size(), [&](std::size_t t) { return are_usable(triples[t], limit); });
+  }
+  const auto vertices = numbers_of(triples);
+  const auto end = static_cast<std::uint32_t>(limit);
+  return first_fault(vertices.size(), [&](std::size_t i) { return vertices[i] < end; }) / 3;
 }
 
 // With no facet all is well: the empty mesh has an order too.
@@ -122,7 +148,7 @@ Status Checker::check_mesh() const {
                                       std::to_string(vertices_) + " vertices"};
   }
   const bool is_sound = facets_ <= most_elements && vertices_ <= most_elements && colours_fit &&
-                        first_fault(facets_, [&](std::size_t f) { return are_usable(mesh.triangles[f]); }) == facets_;
+                        first_unusable(mesh.triangles, vertices_) == facets_;
   return is_sound ? Status{} : validate(mesh);
 }
 
@@ -159,12 +185,12 @@ Status Checker::check_made_vertices() const {
     return {Fault::size_mismatch,
             std::to_string(positions.size()) + " positions for " + std::to_string(vertices.size()) + " made vertices"};
   }
-  const std::size_t infinite = first_fault(positions.size(), [&](std::size_t v) { return is_finite(positions[v]); });
+  const std::size_t infinite = first_infinite(positions);
   if (infinite != positions.size()) {
     return {Fault::non_finite_position, numbered("made vertex", infinite) + ": its position is not finite"};
   }
   const std::size_t fault = first_fault(vertices.size(), [&](std::size_t v) {
-    return (vertices[v].facet < facets_) & is_finite(vertices[v].barycentric);
+    return vertices[v].facet < facets_ && is_finite(vertices[v].barycentric);
   });
   if (fault == vertices.size()) return {};
   const std::string place = numbered("made vertex", fault);
@@ -194,21 +220,21 @@ Status Checker::check_nodes() const {
             "node 0, the root, counts " + std::to_string(size(0)) + " nodes of " + std::to_string(nodes.size())};
   }
   const auto is_plane = [&](const glm::uvec3& plane) {
-    return are_usable(plane) && plane.x != plane.y && plane.y != plane.z && plane.z != plane.x;
+    return are_usable(plane, vertices_) && plane.x != plane.y && plane.y != plane.z && plane.z != plane.x;
   };
   const std::size_t fault =
       first_fault(nodes.size(), [&](std::size_t i) { return nests(i) && is_plane(nodes[i].plane); });
   if (fault == nodes.size()) return {};
   const std::string place = numbered("node", fault);
   if (!nests(fault)) return {Fault::malformed, place + ": the nodes on its sides are not those that it counts"};
-  if (!are_usable(nodes[fault].plane)) return bad_vertex(place);
+  if (!are_usable(nodes[fault].plane, vertices_)) return bad_vertex(place);
   return {Fault::malformed, place + ": its plane names a vertex twice"};
 }
 
 Status Checker::check_pieces() const {
   const auto pieces = view_.pieces;
   const std::size_t fault = first_fault(
-      pieces.size(), [&](std::size_t p) { return (pieces[p].facet < facets_) & (pieces[p].triangle_count != 0); });
+      pieces.size(), [&](std::size_t p) { return pieces[p].facet < facets_ && pieces[p].triangle_count != 0; });
   if (fault != pieces.size()) {
     const std::string place = numbered("piece", fault);
     if (pieces[fault].facet < facets_) return {Fault::malformed, place + " has no triangle"};
@@ -219,12 +245,13 @@ Status Checker::check_pieces() const {
     return Status{Fault::size_mismatch,
                   std::string(who) + " count " + std::to_string(sum) + ' ' + what + " of " + std::to_string(count)};
   };
-  const std::uint64_t in_nodes = sum_of(view_.nodes.size(), [&](std::size_t i) { return view_.nodes[i].piece_count; });
+  const std::uint64_t in_nodes =
+      sum_of(view_.nodes.size(), [&](std::size_t i) { return std::uint64_t{view_.nodes[i].piece_count}; });
   if (in_nodes > pieces.size()) return mismatch("nodes", in_nodes, "pieces", pieces.size());
-  const std::uint64_t triangles = sum_of(pieces.size(), [&](std::size_t p) { return pieces[p].triangle_count; });
-  if (triangles != view_.triangles.size()) return mismatch("pieces", triangles, "triangles", view_.triangles.size());
-  const std::uint64_t cuts = sum_of(pieces.size(), [&](std::size_t p) { return pieces[p].cut_count; });
-  if (cuts != view_.cuts.size()) return mismatch("pieces", cuts, "cuts", view_.cuts.size());
+  const glm::u64vec2 counted =
+      sum_of(pieces.size(), [&](std::size_t p) { return glm::u64vec2(pieces[p].triangle_count, pieces[p].cut_count); });
+  if (counted.x != view_.triangles.size()) return mismatch("pieces", counted.x, "triangles", view_.triangles.size());
+  if (counted.y != view_.cuts.size()) return mismatch("pieces", counted.y, "cuts", view_.cuts.size());
   return {};
 }
 
@@ -242,18 +269,9 @@ Status Checker::check_coverage() const {
   return {Fault::malformed, numbered("facet", fault) + " has no piece"};
 }
 
-bool Checker::are_drawable(const glm::uvec3& v) const {
-  const std::size_t all = vertices_ + view_.made_vertices.size();
-  if (positions_finite_) return (v.x < all) & (v.y < all) & (v.z < all);
-  const auto is_drawable = [&](std::uint32_t vertex) {
-    return vertex < vertices_ ? is_finite(view_.mesh.positions[vertex]) : vertex < all;
-  };
-  return is_drawable(v.x) && is_drawable(v.y) && is_drawable(v.z);
-}
-
 Status Checker::check_triangles() const {
   const auto triangles = view_.triangles;
-  const std::size_t fault = first_fault(triangles.size(), [&](std::size_t t) { return are_drawable(triangles[t]); });
+  const std::size_t fault = first_unusable(triangles, vertices_ + view_.made_vertices.size());
   if (fault == triangles.size()) return {};
   return {Fault::index_out_of_range,
           numbered("triangle", fault) + " names a vertex that is not among the " + std::to_string(vertices_) + " and " +
@@ -263,9 +281,8 @@ Status Checker::check_triangles() const {
 Status Checker::check_cuts() const {
   const auto cuts = view_.cuts;
   const std::size_t planes = facets_ + view_.planes.size();
-  const std::size_t fault = first_fault(cuts.size(), [&](std::size_t c) {
-    return (cuts[c].plane < planes) & ((cuts[c].side == 1) | (cuts[c].side == -1));
-  });
+  const std::size_t fault = first_fault(
+      cuts.size(), [&](std::size_t c) { return cuts[c].plane < planes && (cuts[c].side == 1 || cuts[c].side == -1); });
   if (fault == cuts.size()) return {};
   const std::string place = numbered("cut", fault);
   if (cuts[fault].plane < planes) {
@@ -279,9 +296,10 @@ Status Checker::check_planes() const {
   const auto planes = view_.planes;
   const std::size_t fault = first_fault(planes.size(), [&](std::size_t p) {
     const CutPlane& plane = planes[p];
-    const bool third_is_sound =
-        plane.is_join() ? is_usable(plane.edge_end) && plane.facet < facets_ : plane.facet == CutPlane::none;
-    return are_usable({plane.first, plane.second, plane.third}) && third_is_sound;
+    const bool third_is_sound = plane.is_join()
+                                    ? are_usable(glm::uvec3(plane.edge_end), vertices_) && plane.facet < facets_
+                                    : plane.facet == CutPlane::none;
+    return are_usable({plane.first, plane.second, plane.third}, vertices_) && third_is_sound;
   });
   if (fault == planes.size()) return {};
   return {Fault::index_out_of_range, numbered("plane", facets_ + fault) +

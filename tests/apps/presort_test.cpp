@@ -1,0 +1,103 @@
+// facetsort presort writes files that order, blend and check take in place of a mesh.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "apps/run_program.h"
+#include "facetsort/order/presorted_mesh.h"
+#include "shapes.h"
+#include "support/mesh_files.h"
+
+namespace facetsort {
+namespace {
+
+using Json = nlohmann::json;
+
+const std::vector<std::string> view{"--eye", "1,2,5"};
+
+std::vector<std::string> with_view(std::vector<std::string> arguments) {
+  arguments.insert(arguments.end(), view.begin(), view.end());
+  return arguments;
+}
+
+TEST(PresortVerb, WritesAFileWhoseOrdersAreRight) {
+  const TemporaryFolder folder;
+  const std::string mesh = write_mesh(folder, "mesh.ply", slab_cycle(4));
+  const std::string presorted = (folder.path() / "mesh.fsort").string();
+  const std::string order = (folder.path() / "order.ply").string();
+  const Finished made = run_program({"presort", mesh, "-o", presorted, "--json"});
+  ASSERT_EQ(made.status, 0) << made.error;
+  const Json document = Json::parse(made.output);
+  ASSERT_EQ(document.size(), 1u);
+  const Result<PresortedMesh> file = PresortedMesh::open(presorted);
+  ASSERT_TRUE(file.ok()) << file.status().message;
+  EXPECT_EQ(document[0]["triangles_out"], file.value().view().triangles.size());
+  EXPECT_EQ(document[0]["file_bytes"], std::filesystem::file_size(presorted));
+  EXPECT_GT(document[0]["peak_memory_bytes"], 0);
+
+  const Finished ordered = run_program(with_view({"order", presorted, "--method", "presorted", "-o", order, "--json"}));
+  ASSERT_EQ(ordered.status, 0) << ordered.error;
+  EXPECT_EQ(Json::parse(ordered.output)["exact"]["triangles"], document[0]["triangles_out"]);
+  for (const std::string& drawn : {mesh, presorted}) {
+    const Finished checked = run_program(with_view({"check", drawn, "--order", order, "--size", "128"}));
+    EXPECT_EQ(checked.status, 0) << checked.output << checked.error;
+  }
+}
+
+TEST(PresortVerb, BlendsTheSamePictureFromTheFileAsFromTheMesh) {
+  const TemporaryFolder folder;
+  const std::string mesh = write_mesh(folder, "mesh.ply", triangle_cycle(5));
+  const std::string presorted = (folder.path() / "mesh.fsort").string();
+  ASSERT_EQ(run_program({"presort", mesh, "-o", presorted}).status, 0);
+  std::vector<std::string> pictures;
+  for (const std::string& drawn : {mesh, presorted}) {
+    const std::string picture = (folder.path() / ("picture" + std::to_string(pictures.size()) + ".png")).string();
+    const Finished finished = run_program(
+        with_view({"blend", drawn, "--strategy", "facet_sort:presorted", "--size", "64", "-o", picture}));
+    ASSERT_EQ(finished.status, 0) << finished.error;
+    pictures.push_back(file_bytes(picture));
+  }
+  EXPECT_TRUE(pictures[0] == pictures[1]);
+}
+
+TEST(PresortVerb, FillsAFolderWithTheSameBytesForAnyThreadCount) {
+  const TemporaryFolder folder;
+  const std::string one = write_mesh(folder, "one.ply", torus_knot(5000)), two = write_mesh(folder, "two.ply", box());
+  std::vector<std::string> files;
+  for (const std::string threads : {"1", "2", "8"}) {
+    const std::filesystem::path output = folder.path() / "out" / threads;
+    const Finished finished = run_program({"presort", one, two, "-o", output.string(), "--threads", threads});
+    ASSERT_EQ(finished.status, 0) << finished.error;
+    EXPECT_TRUE(std::filesystem::exists(output / "two.fsort"));
+    files.push_back(file_bytes(output / "one.fsort"));
+  }
+  EXPECT_TRUE(files[0] == files[1] && files[0] == files[2]);
+}
+
+TEST(PresortVerb, RefusesWhatItCannotDoInOneLineAndWritesNothing) {
+  const TemporaryFolder folder;
+  const std::string mesh = write_mesh(folder, "mesh.ply", slab_cycle(4));
+  const std::string again = write_mesh(folder, "mesh.obj", slab_cycle(4));
+  const std::string presorted = (folder.path() / "mesh.fsort").string();
+  const auto expect_refused = [&](const std::vector<std::string>& arguments, const std::string& told) {
+    const Finished finished = run_program(arguments);
+    EXPECT_EQ(finished.status, 2);
+    EXPECT_NE(finished.error.find(told), std::string::npos) << finished.error;
+    EXPECT_EQ(std::count(finished.error.begin(), finished.error.end(), '\n'), 1) << finished.error;
+    EXPECT_FALSE(std::filesystem::exists(presorted));
+  };
+  expect_refused({"presort", mesh, "-o", presorted, "--max-growth", "1"}, "--max-growth");
+  expect_refused({"presort", mesh, "-o", (folder.path() / "mesh.u32").string()}, ".fsort");
+  expect_refused({"presort", mesh + ".missing", "-o", presorted}, "missing");
+  expect_refused({"presort", mesh, again, "-o", (folder.path() / "out").string()}, "mesh.fsort");
+  expect_refused({"presort", mesh, "-o", presorted, "--effort", "0"}, "--effort");
+  folder.write("damaged.fsort", "facetsort");
+  expect_refused({"inspect", (folder.path() / "damaged.fsort").string()}, "damaged.fsort");
+}
+
+}  // namespace
+}  // namespace facetsort
