@@ -97,6 +97,7 @@ TEST(PresortedMesh, RoundTripIsBitEqual) {
     const PresortedView view = sample.data.view();
     const IndexBuffers* const buffers = sample.buffers ? &*sample.buffers : nullptr;
     const FileContent content = content_of(view, buffers);
+    EXPECT_EQ(fsort_file_size(view, buffers), content.size());
     const std::filesystem::path path = folder.path() / (sample.name + ".fsort");
     const Status written = write_presorted(path, view, buffers);
     ASSERT_TRUE(written.ok()) << written.message;

@@ -13,7 +13,6 @@
 #include <new>
 #include <string>
 #include <system_error>
-#include <utility>
 
 namespace facetsort {
 namespace {

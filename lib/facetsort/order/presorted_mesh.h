@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <filesystem>
 #include <iosfwd>
 #include <memory>
@@ -63,5 +64,7 @@ class PresortedMesh {
 Status write_presorted(const std::filesystem::path& path, const PresortedView& view,
                        const IndexBuffers* buffers = nullptr);
 Status write_presorted(std::ostream& stream, const PresortedView& view, const IndexBuffers* buffers = nullptr);
+// How many bytes that file has.
+std::uint64_t fsort_file_size(const PresortedView& view, const IndexBuffers* buffers = nullptr);
 
 }  // namespace facetsort

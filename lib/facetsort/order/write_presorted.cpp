@@ -52,8 +52,18 @@ File lay_out(const FileArrays& arrays) {
   }
   file.header.file_size = end;
   file.header.section_count = static_cast<std::uint32_t>(file.table.size());
-  for_each_part(file, checksum_begin, [&](Bytes part) { file.header.checksum = crc32(part, file.header.checksum); });
   return file;
+}
+
+BufferFacts facts_of(const IndexBuffers& buffers) {
+  return {static_cast<std::uint32_t>(buffers.buffer_count), buffers.needs_culling ? 1u : 0u, buffers.mean_inverted_rate,
+          buffers.worst_inverted_rate};
+}
+
+// `facts` are those of the buffers, which may be null.
+FileArrays arrays_of(const PresortedView& view, const IndexBuffers* buffers, const BufferFacts& facts) {
+  if (buffers == nullptr) return {view, {}, {}, {}, {}};
+  return {view, {&facts, 1}, buffers->facets, buffers->directions, buffers->buffer_of_direction};
 }
 
 // Calls take(bytes) for one part of the file after another.
@@ -64,18 +74,12 @@ Status write_parts(const PresortedView& view, const IndexBuffers* buffers, const
   }
   if (Status status = validate_presorted(view, buffers); !status.ok()) return status;
   try {
-    FileArrays arrays;
-    arrays.view = view;
-    BufferFacts facts{};
-    if (buffers != nullptr) {
-      facts = {static_cast<std::uint32_t>(buffers->buffer_count), buffers->needs_culling ? 1u : 0u,
-               buffers->mean_inverted_rate, buffers->worst_inverted_rate};
-      arrays.buffer_facts = {&facts, 1};
-      arrays.buffer_facets = buffers->facets;
-      arrays.directions = buffers->directions;
-      arrays.buffer_of_direction = buffers->buffer_of_direction;
-    }
-    for_each_part(lay_out(arrays), 0, take);
+    const BufferFacts facts = buffers != nullptr ? facts_of(*buffers) : BufferFacts{};
+    File file = lay_out(arrays_of(view, buffers, facts));
+    std::uint32_t checksum = 0;
+    for_each_part(file, checksum_begin, [&](Bytes part) { checksum = crc32(part, checksum); });
+    file.header.checksum = checksum;
+    for_each_part(file, 0, take);
     return {};
   } catch (const std::bad_alloc&) {
     return {Fault::out_of_memory, "not enough memory to write a presorted mesh"};
@@ -83,6 +87,11 @@ Status write_parts(const PresortedView& view, const IndexBuffers* buffers, const
 }
 
 }  // namespace
+
+std::uint64_t fsort_file_size(const PresortedView& view, const IndexBuffers* buffers) {
+  const BufferFacts facts{};
+  return lay_out(arrays_of(view, buffers, facts)).header.file_size;
+}
 
 Status write_presorted(std::ostream& stream, const PresortedView& view, const IndexBuffers* buffers) {
   Status status = write_parts(view, buffers, [&](Bytes part) {
