@@ -13,6 +13,9 @@ void register_floor_benchmarks();
 void register_peer_benchmarks();
 // exact/MESH, exact_tree/MESH, exact_tree_pieces/MESH: the exact orders, cuts included.
 void register_exact_benchmarks();
+// presorted/MESH, presorted_orbit_DEGREES/MESH, presorted_facet_sort/MESH: index buffers read from order trees, by eyes
+// that jump and eyes that move a little, and sorted.
+void register_presorted_benchmarks();
 // vtk_depth_sort/MESH: VTK's own, where the build found VTK.
 void register_vtk_benchmarks();
 // draw/FORMAT/MESH: the blend target at 1024 x 1024, facets already in order.

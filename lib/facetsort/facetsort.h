@@ -19,6 +19,7 @@
 #include "facetsort/order/sorter.h"
 #include "facetsort/order/spatial_order.h"
 #include "facetsort/order/presorted_data.h"
+#include "facetsort/order/presorted_reader.h"
 
 #include "facetsort/exact/predicates.h"
 #include "facetsort/exact/facts.h"

@@ -171,9 +171,7 @@ class BlockMaker {
     }
   }
 
-  bool has_branches(std::size_t node) const {
-    return mesh_.nodes[node].front_nodes + mesh_.nodes[node].back_nodes > 0;
-  }
+  bool has_branches(std::size_t node) const { return mesh_.nodes[node].front_nodes + mesh_.nodes[node].back_nodes > 0; }
 
   // Level by level: what a node hands down is long known when the nodes below it take it up.
   void add_branches(std::size_t root) {

@@ -37,7 +37,8 @@ struct PlaneFrame {
 constexpr std::uint8_t no_slot = 255, end_slot = 254;
 
 // A node with nodes below it, and the triangles on its sides and in its plane. What comes first is told by whether the
-// eye is in front, 0 or 1: sizes[in_front] is that of the subtree in slots[in_front], which slots[in_front + 1] follows.
+// eye is in front, 0 or 1: sizes[in_front] is that of the subtree in slots[in_front], which slots[in_front + 1]
+// follows.
 struct Branch {
   std::uint8_t slot, own_size;
   std::uint8_t sizes[2];  // front, back

@@ -38,8 +38,8 @@ HWY_INLINE Eye eye_of(const FrameEye& eye) {
 
 HWY_INLINE Vec distances(const PlaneArrays& planes, std::size_t i, const Eye& eye) {
   const Tag d;
-  const Vec xy = hn::Add(hn::Mul(hn::LoadU(d, planes.x.data() + i), eye.x),
-                         hn::Mul(hn::LoadU(d, planes.y.data() + i), eye.y));
+  const Vec xy =
+      hn::Add(hn::Mul(hn::LoadU(d, planes.x.data() + i), eye.x), hn::Mul(hn::LoadU(d, planes.y.data() + i), eye.y));
   const Vec zw = hn::Add(hn::Mul(hn::LoadU(d, planes.z.data() + i), eye.z),
                          hn::Mul(hn::LoadU(d, planes.offset.data() + i), eye.w));
   return hn::Add(xy, zw);
@@ -63,8 +63,8 @@ HWY_NOINLINE void decide_exactly(const PlaneSource& source, std::size_t first, s
     for (unsigned bits = bits_of(in_doubt); bits != 0; bits &= bits - 1) {
       const std::size_t plane = i + static_cast<std::size_t>(std::countr_zero(bits));
       const glm::uvec3& corners = source.nodes[source.planes.node[first + plane]].plane;
-      const int side = eye_side(source.positions[corners.x], source.positions[corners.y], source.positions[corners.z],
-                                eye.eye);
+      const int side =
+          eye_side(source.positions[corners.x], source.positions[corners.y], source.positions[corners.z], eye.eye);
       const unsigned bit = 1u << plane % 8;
       const unsigned others = sides[plane / 8] & ~bit;
       sides[plane / 8] = static_cast<std::uint8_t>(side >= 0 ? others | bit : others);
@@ -72,8 +72,8 @@ HWY_NOINLINE void decide_exactly(const PlaneSource& source, std::size_t first, s
   }
 }
 
-// Of planes [first, first + count), into `sides`, which is zero. Gives by how much distance_between() a later eye has to be less to be on the same sides; 0
-// or less where that can't be said.
+// Of planes [first, first + count), into `sides`, which is zero. Gives by how much distance_between() a later eye has
+// to be less to be on the same sides; 0 or less where that can't be said.
 HWY_INLINE float find_sides(const PlaneSource& source, std::size_t first, std::size_t count, const FrameEye& eye,
                             const Eye& e, std::uint8_t* sides) {
   const Tag d;
@@ -189,8 +189,7 @@ HWY_EXPORT(OrderBlock);
 HWY_EXPORT(OrderBlocks);
 
 FrameEye frame_eye(const PlaneFrame& frame, const glm::vec4& eye) {
-  const glm::dvec4 e = eye.w == 0 ? glm::dvec4(eye)
-                                  : glm::dvec4((glm::dvec3(eye) - frame.origin) * frame.scale, 1.0);
+  const glm::dvec4 e = eye.w == 0 ? glm::dvec4(eye) : glm::dvec4((glm::dvec3(eye) - frame.origin) * frame.scale, 1.0);
   const double largest = std::max({std::abs(e.x), std::abs(e.y), std::abs(e.z), e.w});
   return {eye, e * std::ldexp(1.0, -std::ilogb(largest) - 1)};
 }

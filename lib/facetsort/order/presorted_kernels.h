@@ -1,4 +1,5 @@
-// Internal to order: the loops that read a presorted mesh, for every instruction set. PresortedReader puts them together.
+// Internal to order: the loops that read a presorted mesh, for every instruction set. PresortedReader puts them
+// together.
 #pragma once
 
 #include <array>
