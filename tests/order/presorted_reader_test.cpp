@@ -154,7 +154,9 @@ class TreeMaker {
     }
   }
 
-  PresortedData make(std::uint32_t nodes, Shape shape) {
+  // The first `crowded` nodes have pieces in any number, the others one or two.
+  PresortedData make(std::uint32_t nodes, Shape shape, std::uint32_t crowded = 0xffffffff) {
+    crowded_ = crowded;
     for (int k = 0; k < 5; ++k) add_piece({7, 7, 7});  // without area, and so without a node
     std::vector<std::uint32_t> left;                   // sizes of subtrees to come
     if (nodes > 0) left.push_back(nodes);
@@ -172,7 +174,7 @@ class TreeMaker {
   void add_node(std::uint32_t front, std::uint32_t back) {
     const glm::uvec3 plane = any_triangle();
     // Most have a piece or two, some none, few very many.
-    const std::uint32_t kind = any(64);
+    const std::uint32_t kind = data_.nodes.size() < crowded_ ? any(64) : 8;
     const std::uint32_t pieces = kind == 0 ? any(700) : kind < 8 ? 0 : 1 + any(2);
     for (std::uint32_t k = 0; k < pieces; ++k) {
       add_piece(any(2) == 0 ? plane : glm::uvec3(plane.x, plane.z, plane.y));
@@ -196,6 +198,7 @@ class TreeMaker {
   std::uint32_t any(std::uint32_t count) { return std::uniform_int_distribution<std::uint32_t>(0, count - 1)(random_); }
 
   std::mt19937 random_;
+  std::uint32_t crowded_ = 0;
   PresortedData data_;
 };
 
@@ -226,7 +229,7 @@ TEST(PresortedReader, DrawsPiecesWithoutANodeFirst) {
 }
 
 TEST(PresortedReader, ReadsTreesDeeperThanAnyStack) {
-  const PresortedData data = TreeMaker(2).make(1'000'000, &all_on_either);
+  const PresortedData data = TreeMaker(2).make(1'000'000, &all_on_either, 1);
   expect_walk(data.view(), {eyes()[0], eyes()[1]});
 }
 

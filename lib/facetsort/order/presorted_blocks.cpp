@@ -286,6 +286,17 @@ std::size_t PresortedBlocks::memory_bytes() const {
   return bytes(blocks, branches, spots, facings, top) + bytes_of_planes(planes) + bytes_of_planes(top_planes);
 }
 
+FrameEye frame_eye(const PlaneFrame& frame, const glm::vec4& eye) {
+  const glm::dvec4 e = eye.w == 0 ? glm::dvec4(eye) : glm::dvec4((glm::dvec3(eye) - frame.origin) * frame.scale, 1.0);
+  const double largest = std::max({std::abs(e.x), std::abs(e.y), std::abs(e.z), e.w});
+  return {eye, e * std::ldexp(1.0, -std::ilogb(largest) - 1)};
+}
+
+double distance_between(const FrameEye& a, const FrameEye& b) {
+  const glm::dvec4 moved = glm::abs(a.in_frame - b.in_frame);
+  return moved.x + moved.y + moved.z + 3 * moved.w;
+}
+
 PresortedBlocks make_blocks(const PresortedView& mesh, bool culls_back_faces) {
   return BlockMaker(mesh, culls_back_faces).make();
 }

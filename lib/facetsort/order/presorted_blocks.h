@@ -32,6 +32,16 @@ struct PlaneFrame {
   double scale = 1;  // a power of two
 };
 
+// An eye as it is, and in the frame of planes: its largest component (E, w) is in [0.5, 1].
+struct FrameEye {
+  glm::vec4 eye;
+  glm::dvec4 in_frame;
+};
+FrameEye frame_eye(const PlaneFrame& frame, const glm::vec4& eye);
+
+// What changes dot(normal, E) + offset * w by no more, for any plane of PlaneArrays.
+double distance_between(const FrameEye& a, const FrameEye& b);
+
 // Nodes of a block have slots, in preorder from 0 on. One is for children that a node does not have, and is written but
 // not read; one is for the end of the block.
 constexpr std::uint8_t no_slot = 255, end_slot = 254;
