@@ -15,6 +15,9 @@ void register_peer_benchmarks();
 void register_exact_benchmarks();
 // open_fsort, write_fsort: presorted meshes as files; read_bytes: copying such a file's bytes alone.
 void register_presorted_file_benchmarks();
+// read_presorted/MESH, read_presorted_orbit_DEGREES/MESH: index buffers read from presorted meshes, by eyes that jump and
+// eyes that move a little; read_presorted_facet_sort/MESH: the meshes sorted by depth.
+void register_presorted_benchmarks();
 // vtk_depth_sort/MESH: VTK's own, where the build found VTK.
 void register_vtk_benchmarks();
 // draw/FORMAT/MESH: the blend target at 1024 x 1024, facets already in order.

@@ -39,6 +39,7 @@ int main(int argc, char** argv) {
   facetsort::bench::register_peer_benchmarks();
   facetsort::bench::register_exact_benchmarks();
   facetsort::bench::register_presorted_file_benchmarks();
+  facetsort::bench::register_presorted_benchmarks();
 #ifdef FACETSORT_BENCH_VTK
   facetsort::bench::register_vtk_benchmarks();
 #endif

@@ -22,6 +22,7 @@
 #include "facetsort/order/spatial_order.h"
 #include "facetsort/order/presorted_data.h"
 #include "facetsort/order/presorted_mesh.h"
+#include "facetsort/order/presorted_reader.h"
 
 #include "facetsort/exact/predicates.h"
 #include "facetsort/exact/facts.h"

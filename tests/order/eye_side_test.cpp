@@ -29,9 +29,7 @@ class HardPoints {
  private:
   float small() { return static_cast<float>(small_(random_)); }
   float magnitude() { return std::ldexp(small(), exponents_[exponent_(random_)]); }
-  float any_bits() {
-    return std::ldexp(uniform_(random_), std::uniform_int_distribution<int>(-149, 127)(random_));
-  }
+  float any_bits() { return std::ldexp(uniform_(random_), std::uniform_int_distribution<int>(-149, 127)(random_)); }
 
   static constexpr int exponents_[] = {-149, -100, -1, 0, 1, 24, 125};
   std::mt19937 random_{11};
@@ -61,12 +59,24 @@ void expect_sides_of_integers(Kind kind, bool meets_planes) {
   }
 }
 
-TEST(EyeSide, IsThatOfIntegersOnAGrid) { expect_sides_of_integers(&HardPoints::on_a_grid, true); }
-TEST(EyeSide, IsThatOfIntegersNearAPlane) { expect_sides_of_integers(&HardPoints::near_a_plane, true); }
-TEST(EyeSide, IsThatOfIntegersOfMixedMagnitude) { expect_sides_of_integers(&HardPoints::of_mixed_magnitude, true); }
-TEST(EyeSide, IsThatOfIntegersOfDenormalSize) { expect_sides_of_integers(&HardPoints::denormal, true); }
-TEST(EyeSide, IsThatOfIntegersFarFromTheOrigin) { expect_sides_of_integers(&HardPoints::far_from_the_origin, true); }
-TEST(EyeSide, IsThatOfIntegersOfAnyBits) { expect_sides_of_integers(&HardPoints::of_any_bits, false); }
+TEST(EyeSide, IsThatOfIntegersOnAGrid) {
+  expect_sides_of_integers(&HardPoints::on_a_grid, true);
+}
+TEST(EyeSide, IsThatOfIntegersNearAPlane) {
+  expect_sides_of_integers(&HardPoints::near_a_plane, true);
+}
+TEST(EyeSide, IsThatOfIntegersOfMixedMagnitude) {
+  expect_sides_of_integers(&HardPoints::of_mixed_magnitude, true);
+}
+TEST(EyeSide, IsThatOfIntegersOfDenormalSize) {
+  expect_sides_of_integers(&HardPoints::denormal, true);
+}
+TEST(EyeSide, IsThatOfIntegersFarFromTheOrigin) {
+  expect_sides_of_integers(&HardPoints::far_from_the_origin, true);
+}
+TEST(EyeSide, IsThatOfIntegersOfAnyBits) {
+  expect_sides_of_integers(&HardPoints::of_any_bits, false);
+}
 
 TEST(EyeSide, HoldsAtBothEndsOfTheRange) {
   for (const float size : {std::numeric_limits<float>::denorm_min(), 1e-30f, 1.0f, std::numeric_limits<float>::max()}) {

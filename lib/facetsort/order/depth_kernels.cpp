@@ -1,5 +1,6 @@
-// The per-frame sort in few instructions a facet, for every instruction set. Keys cost less to compute than to store:
-// they are computed again wherever they are needed, a tile at a time.
+// The loops of the per-frame sort and of the reader of presorted meshes in few instructions a facet, for every
+// instruction set. Keys cost less to compute than to store: they are computed again wherever they are needed, a tile at
+// a time.
 #include "facetsort/order/depth_kernels.h"
 
 #include <hwy/cache_control.h>
@@ -12,6 +13,9 @@
 #include <numeric>
 #include <utility>
 
+#include "facetsort/order/eye_side.h"
+#include "facetsort/order/presorted_kernels.h"
+
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "facetsort/order/depth_kernels.cpp"
 #include <hwy/foreach_target.h>
@@ -22,6 +26,7 @@
 #include "facetsort/order/facet_keys-inl.h"
 
 #include "facetsort/order/entry_sort-inl.h"
+#include "facetsort/order/order_blocks-inl.h"
 #include "facetsort/order/step_sort-inl.h"
 
 #if HWY_ONCE
@@ -41,6 +46,9 @@ HWY_EXPORT(CountSteps);
 HWY_EXPORT(SumSteps);
 HWY_EXPORT(PlaceIds);
 HWY_EXPORT(WriteOrder);
+HWY_EXPORT(FindSides);
+HWY_EXPORT(OrderBlock);
+HWY_EXPORT(OrderBlocks);
 
 BucketMap bucket_map(float lowest, float highest, std::size_t buckets) {
   const float count = static_cast<float>(buckets);
@@ -121,6 +129,19 @@ void place_ids(const StepIds& from, std::uint32_t* cursors, std::uint32_t* order
 
 void write_order(const std::uint32_t* ids, std::size_t count, const Output& output) {
   HWY_DYNAMIC_DISPATCH(WriteOrder)(ids, count, output);
+}
+
+void find_sides(const PlaneSource& source, const FrameEye& eye, std::span<std::uint8_t> sides) {
+  HWY_DYNAMIC_DISPATCH(FindSides)(source, eye, sides);
+}
+
+void order_block(const PresortedBlocks& blocks, std::size_t b, const BlockOrders& orders) {
+  HWY_DYNAMIC_DISPATCH(OrderBlock)(blocks, b, orders);
+}
+
+bool order_blocks(const PresortedBlocks& blocks, const PlaneSource& source, std::size_t begin, std::size_t end,
+                  const FrameEye& eye, double way, const BlockOrders& orders) {
+  return HWY_DYNAMIC_DISPATCH(OrderBlocks)(blocks, source, begin, end, eye, way, orders);
 }
 
 }  // namespace facetsort::order_internal

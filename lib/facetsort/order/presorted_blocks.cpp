@@ -171,9 +171,7 @@ class BlockMaker {
     }
   }
 
-  bool has_branches(std::size_t node) const {
-    return mesh_.nodes[node].front_nodes + mesh_.nodes[node].back_nodes > 0;
-  }
+  bool has_branches(std::size_t node) const { return mesh_.nodes[node].front_nodes + mesh_.nodes[node].back_nodes > 0; }
 
   // Level by level: what a node hands down is long known when the nodes below it take it up.
   void add_branches(std::size_t root) {
@@ -286,6 +284,17 @@ void PlaneArrays::pad() {
 
 std::size_t PresortedBlocks::memory_bytes() const {
   return bytes(blocks, branches, spots, facings, top) + bytes_of_planes(planes) + bytes_of_planes(top_planes);
+}
+
+FrameEye frame_eye(const PlaneFrame& frame, const glm::vec4& eye) {
+  const glm::dvec4 e = eye.w == 0 ? glm::dvec4(eye) : glm::dvec4((glm::dvec3(eye) - frame.origin) * frame.scale, 1.0);
+  const double largest = std::max({std::abs(e.x), std::abs(e.y), std::abs(e.z), e.w});
+  return {eye, e * std::ldexp(1.0, -std::ilogb(largest) - 1)};
+}
+
+double distance_between(const FrameEye& a, const FrameEye& b) {
+  const glm::dvec4 moved = glm::abs(a.in_frame - b.in_frame);
+  return moved.x + moved.y + moved.z + 3 * moved.w;
 }
 
 PresortedBlocks make_blocks(const PresortedView& mesh, bool culls_back_faces) {

@@ -32,12 +32,23 @@ struct PlaneFrame {
   double scale = 1;  // a power of two
 };
 
+// An eye as it is, and in the frame of planes: its largest component (E, w) is in [0.5, 1].
+struct FrameEye {
+  glm::vec4 eye;
+  glm::dvec4 in_frame;
+};
+FrameEye frame_eye(const PlaneFrame& frame, const glm::vec4& eye);
+
+// What changes dot(normal, E) + offset * w by no more, for any plane of PlaneArrays.
+double distance_between(const FrameEye& a, const FrameEye& b);
+
 // Nodes of a block have slots, in preorder from 0 on. One is for children that a node does not have, and is written but
 // not read; one is for the end of the block.
 constexpr std::uint8_t no_slot = 255, end_slot = 254;
 
 // A node with nodes below it, and the triangles on its sides and in its plane. What comes first is told by whether the
-// eye is in front, 0 or 1: sizes[in_front] is that of the subtree in slots[in_front], which slots[in_front + 1] follows.
+// eye is in front, 0 or 1: sizes[in_front] is that of the subtree in slots[in_front], which slots[in_front + 1]
+// follows.
 struct Branch {
   std::uint8_t slot, own_size;
   std::uint8_t sizes[2];  // front, back

@@ -1,4 +1,5 @@
-// Internal to order: the loops that read a presorted mesh, for every instruction set. PresortedReader puts them together.
+// Internal to order: the loops that read a presorted mesh, for every instruction set. PresortedReader puts them
+// together.
 #pragma once
 
 #include <array>
@@ -10,16 +11,6 @@
 #include "facetsort/order/presorted_blocks.h"
 
 namespace facetsort::order_internal {
-
-// An eye as it is, and in the frame of planes: its largest component (E, w) is in [0.5, 1].
-struct FrameEye {
-  glm::vec4 eye;
-  glm::dvec4 in_frame;
-};
-FrameEye frame_eye(const PlaneFrame& frame, const glm::vec4& eye);
-
-// What changes dot(normal, E) + offset * w by no more, for any plane of PlaneArrays.
-double distance_between(const FrameEye& a, const FrameEye& b);
 
 // The planes of a tree, and what they were made of.
 struct PlaneSource {

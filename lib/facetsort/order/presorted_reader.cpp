@@ -1,8 +1,8 @@
 // What hides what is in the tree (Fuchs, Kedem and Naylor 1980, "On Visible Surface Generation by A Priori Tree
-// Structures"), and how many triangles are on either side of each plane is known: once the sides that the eye is on are,
-// every triangle's place follows from sums down the tree. First each block, a small subtree, finds its own order, which
-// it keeps for as long as the eye is nearer to where it was than to any of the block's planes; then the nodes above them
-// put the blocks in order; then triangles are copied, in the order in which they are drawn.
+// Structures"), and how many triangles are on either side of each plane is known: once the sides that the eye is on
+// are, every triangle's place follows from sums down the tree. First each block, a small subtree, finds its own order,
+// which it keeps for as long as the eye is nearer to where it was than to any of the block's planes; then the nodes
+// above them put the blocks in order; then triangles are copied, in the order in which they are drawn.
 #include "facetsort/order/presorted_reader.h"
 
 #include <atomic>
@@ -201,14 +201,14 @@ std::size_t PresortedReader::read_indices(const glm::vec4& eye, std::span<std::u
   state.go_to(eye);
   if (!ids.empty()) state.find_facets();
   const std::span<const glm::uvec3> triangles = state.mesh.triangles;
-  state.for_blocks_drawn([&](const Block& block, const std::uint8_t* order, std::size_t count, std::size_t offset,
-                             std::size_t room) {
-    const std::size_t first = block.first_triangle;
-    write_triangles({triangles.data() + first, indices.data() + 3 * offset, triangles.size() - first, room}, order,
-                    count);
-    if (ids.empty()) return;
-    for (std::size_t k = 0; k < count; ++k) ids[offset + k] = state.facets[first + order[k]];
-  });
+  state.for_blocks_drawn(
+      [&](const Block& block, const std::uint8_t* order, std::size_t count, std::size_t offset, std::size_t room) {
+        const std::size_t first = block.first_triangle;
+        write_triangles({triangles.data() + first, indices.data() + 3 * offset, triangles.size() - first, room}, order,
+                        count);
+        if (ids.empty()) return;
+        for (std::size_t k = 0; k < count; ++k) ids[offset + k] = state.facets[first + order[k]];
+      });
   return state.drawn();
 }
 
@@ -232,7 +232,9 @@ bool PresortedReader::is_read_for(const glm::vec4& eye) const {
   return state_->last_eye && state_->last_eye->eye == eye;
 }
 
-void PresortedReader::forget_eye() { state_->last_eye.reset(); }
+void PresortedReader::forget_eye() {
+  state_->last_eye.reset();
+}
 
 std::size_t PresortedReader::memory_bytes() const {
   const State& state = *state_;

@@ -24,8 +24,8 @@ struct PresortedReaderOptions {
 //
 // The order depends on the eye alone: not on earlier eyes, nor on thread count or instruction set. Seen from a plane of
 // the tree, neither side hides the other; it is read as from the front. Large meshes are read in parallel in the
-// caller's task arena. A reader serves one thread at a time; different readers may be used at once, of one mesh too. The
-// arrays of the view, which may be a mapped file's, must outlive it.
+// caller's task arena. A reader serves one thread at a time; different readers may be used at once, of one mesh too.
+// The arrays of the view, which may be a mapped file's, must outlive it.
 class PresortedReader {
  public:
   // Precondition: the view is sound: what it counts adds up to the lengths of its arrays, and indices are within them.
@@ -43,8 +43,8 @@ class PresortedReader {
   // `ids` is empty or has room for all triangles.
   std::size_t read_indices(const glm::vec4& eye, std::span<std::uint32_t> indices, std::span<std::uint32_t> ids = {});
 
-  // Draw ids of what is drawn, back to front (see Pieces): i for facet i as a whole; facet count + i for the i-th of the
-  // pieces that have cuts. Returns how many there are. Precondition: `ids` has room for all pieces.
+  // Draw ids of what is drawn, back to front (see Pieces): i for facet i as a whole; facet count + i for the i-th of
+  // the pieces that have cuts. Returns how many there are. Precondition: `ids` has room for all pieces.
   std::size_t read_draw_ids(const glm::vec4& eye, std::span<std::uint32_t> ids);
 
   // Whether the last reading was for this eye, so that another would give the same: a renderer that still has what it

@@ -1,70 +1,55 @@
+// Internal to order: orders of blocks. Included by depth_kernels.cpp, once for each instruction set.
+//
 // Signs of planes in float, in doubt exactly; places of triangles from the sizes of subtrees, without branches.
-#include "facetsort/order/presorted_kernels.h"
-
-#include <algorithm>
-#include <bit>
-#include <cmath>
-#include <limits>
-
-#include "facetsort/order/eye_side.h"
-
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "facetsort/order/presorted_kernels.cpp"
-#include <hwy/foreach_target.h>
-// Highway's own order: foreach_target.h before highway.h.
-#include <hwy/highway.h>
-
 HWY_BEFORE_NAMESPACE();
 namespace facetsort::order_internal::HWY_NAMESPACE {
 
-namespace hn = hwy::HWY_NAMESPACE;
-
-using Tag = hn::CappedTag<float, 8>;  // a byte of sides
-using Vec = hn::Vec<Tag>;
+using PlaneTag = hn::CappedTag<float, 8>;  // a byte of sides
+using PlaneVec = hn::Vec<PlaneTag>;
 
 // Bounds the rounding of dot(normal, E) + offset * w in float: components of normal and eye up to 1, offsets up to 3,
 // each rounded once, four products and three sums, are off by less than 36 * 2^-24.
 constexpr float rounding = 0x1p-18f;
 
-struct Eye {
-  Vec x, y, z, w;
+struct EyeVectors {
+  PlaneVec x, y, z, w;
 };
 
-HWY_INLINE Eye eye_of(const FrameEye& eye) {
-  const Tag d;
+HWY_INLINE EyeVectors eye_of(const FrameEye& eye) {
+  const PlaneTag d;
   const glm::vec4 e(eye.in_frame);
   return {hn::Set(d, e.x), hn::Set(d, e.y), hn::Set(d, e.z), hn::Set(d, e.w)};
 }
 
-HWY_INLINE Vec distances(const PlaneArrays& planes, std::size_t i, const Eye& eye) {
-  const Tag d;
-  const Vec xy = hn::Add(hn::Mul(hn::LoadU(d, planes.x.data() + i), eye.x),
-                         hn::Mul(hn::LoadU(d, planes.y.data() + i), eye.y));
-  const Vec zw = hn::Add(hn::Mul(hn::LoadU(d, planes.z.data() + i), eye.z),
-                         hn::Mul(hn::LoadU(d, planes.offset.data() + i), eye.w));
+HWY_INLINE PlaneVec distances(const PlaneArrays& planes, std::size_t i, const EyeVectors& eye) {
+  const PlaneTag d;
+  const PlaneVec xy =
+      hn::Add(hn::Mul(hn::LoadU(d, planes.x.data() + i), eye.x), hn::Mul(hn::LoadU(d, planes.y.data() + i), eye.y));
+  const PlaneVec zw = hn::Add(hn::Mul(hn::LoadU(d, planes.z.data() + i), eye.z),
+                              hn::Mul(hn::LoadU(d, planes.offset.data() + i), eye.w));
   return hn::Add(xy, zw);
 }
 
 template <typename Mask>
 HWY_INLINE unsigned bits_of(const Mask& mask) {
   std::uint8_t bytes[8] = {};
-  hn::StoreMaskBits(Tag(), mask, bytes);
+  hn::StoreMaskBits(PlaneTag(), mask, bytes);
   return bytes[0];
 }
 
 // Those that float leaves in doubt.
 HWY_NOINLINE void decide_exactly(const PlaneSource& source, std::size_t first, std::size_t count, const FrameEye& eye,
                                  std::uint8_t* sides) {
-  const Tag d;
-  const Eye e = eye_of(eye);
+  const PlaneTag d;
+  const EyeVectors e = eye_of(eye);
   for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
     const auto in_doubt = hn::And(hn::Le(hn::Abs(distances(source.planes, first + i, e)), hn::Set(d, rounding)),
                                   hn::FirstN(d, count - i));
     for (unsigned bits = bits_of(in_doubt); bits != 0; bits &= bits - 1) {
       const std::size_t plane = i + static_cast<std::size_t>(std::countr_zero(bits));
       const glm::uvec3& corners = source.nodes[source.planes.node[first + plane]].plane;
-      const int side = eye_side(source.positions[corners.x], source.positions[corners.y], source.positions[corners.z],
-                                eye.eye);
+      const int side =
+          eye_side(source.positions[corners.x], source.positions[corners.y], source.positions[corners.z], eye.eye);
       const unsigned bit = 1u << plane % 8;
       const unsigned others = sides[plane / 8] & ~bit;
       sides[plane / 8] = static_cast<std::uint8_t>(side >= 0 ? others | bit : others);
@@ -72,14 +57,14 @@ HWY_NOINLINE void decide_exactly(const PlaneSource& source, std::size_t first, s
   }
 }
 
-// Of planes [first, first + count), into `sides`, which is zero. Gives by how much distance_between() a later eye has to be less to be on the same sides; 0
-// or less where that can't be said.
+// Of planes [first, first + count), into `sides`, which is zero. Gives by how much distance_between() a later eye has
+// to be less to be on the same sides; 0 or less where that can't be said.
 HWY_INLINE float find_sides(const PlaneSource& source, std::size_t first, std::size_t count, const FrameEye& eye,
-                            const Eye& e, std::uint8_t* sides) {
-  const Tag d;
-  Vec least = hn::Set(d, std::numeric_limits<float>::infinity());
+                            const EyeVectors& e, std::uint8_t* sides) {
+  const PlaneTag d;
+  PlaneVec least = hn::Set(d, std::numeric_limits<float>::infinity());
   for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
-    const Vec value = distances(source.planes, first + i, e);
+    const PlaneVec value = distances(source.planes, first + i, e);
     const auto mask = hn::FirstN(d, count - i);
     least = hn::Min(least, hn::IfThenElse(mask, hn::Abs(value), least));
     const unsigned bits = bits_of(hn::And(hn::Gt(value, hn::Zero(d)), mask));
@@ -160,7 +145,7 @@ void OrderBlock(const PresortedBlocks& blocks, std::size_t b, const BlockOrders&
 
 bool OrderBlocks(const PresortedBlocks& blocks, const PlaneSource& source, std::size_t begin, std::size_t end,
                  const FrameEye& eye, double way, const BlockOrders& orders) {
-  const Eye e = eye_of(eye);
+  const EyeVectors e = eye_of(eye);
   bool changed = false;
   for (std::size_t b = begin; b < end; ++b) {
     BlockOrders::State& state = orders.states[b];
@@ -180,38 +165,3 @@ bool OrderBlocks(const PresortedBlocks& blocks, const PlaneSource& source, std::
 
 }  // namespace facetsort::order_internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
-
-#if HWY_ONCE
-namespace facetsort::order_internal {
-
-HWY_EXPORT(FindSides);
-HWY_EXPORT(OrderBlock);
-HWY_EXPORT(OrderBlocks);
-
-FrameEye frame_eye(const PlaneFrame& frame, const glm::vec4& eye) {
-  const glm::dvec4 e = eye.w == 0 ? glm::dvec4(eye)
-                                  : glm::dvec4((glm::dvec3(eye) - frame.origin) * frame.scale, 1.0);
-  const double largest = std::max({std::abs(e.x), std::abs(e.y), std::abs(e.z), e.w});
-  return {eye, e * std::ldexp(1.0, -std::ilogb(largest) - 1)};
-}
-
-double distance_between(const FrameEye& a, const FrameEye& b) {
-  const glm::dvec4 moved = glm::abs(a.in_frame - b.in_frame);
-  return moved.x + moved.y + moved.z + 3 * moved.w;
-}
-
-void find_sides(const PlaneSource& source, const FrameEye& eye, std::span<std::uint8_t> sides) {
-  HWY_DYNAMIC_DISPATCH(FindSides)(source, eye, sides);
-}
-
-void order_block(const PresortedBlocks& blocks, std::size_t b, const BlockOrders& orders) {
-  HWY_DYNAMIC_DISPATCH(OrderBlock)(blocks, b, orders);
-}
-
-bool order_blocks(const PresortedBlocks& blocks, const PlaneSource& source, std::size_t begin, std::size_t end,
-                  const FrameEye& eye, double way, const BlockOrders& orders) {
-  return HWY_DYNAMIC_DISPATCH(OrderBlocks)(blocks, source, begin, end, eye, way, orders);
-}
-
-}  // namespace facetsort::order_internal
-#endif
