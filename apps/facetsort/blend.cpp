@@ -9,6 +9,7 @@
 #include "facetsort/report/timing.h"
 #include "input_mesh.h"
 #include "output.h"
+#include "prepared_strategy.h"
 #include "verbs.h"
 #include "view_options.h"
 
@@ -30,7 +31,9 @@ ExitStatus run_blend(const BlendOptions& options, const CommonOptions& common) {
   const InputMesh input = read_input_mesh(options.mesh);
   const View view = make_view(options.view, input.bounds);
 
-  StrategyRenderer renderer(input.mesh.view(), options.strategy, input.tree());
+  PreparedStrategy prepared;
+  prepared.prepare(input, options.strategy);
+  StrategyRenderer& renderer = prepared.renderer();
   Image image;
   renderer.order(view);
   const DrawStatistics statistics = renderer.draw(view, options.format, image);

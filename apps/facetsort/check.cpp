@@ -80,9 +80,8 @@ Judgement judge_parts(const InputMesh& input, const View& view, const OrderFile&
   std::iota(rank.begin(), rank.end(), 0u);
   FragmentLists lists = collect_fragments(drawn, view);
   const PartCoverage coverage = parted.compare_coverage(view, collect_fragments(input.mesh.view(), view), lists);
-  Judgement judgement =
-      judge_drawn(drawn, rank, view, input.radius, lists,
-                  [&](FragmentLists& drawn_lists) { parted.widen_depth_errors(view, drawn_lists); });
+  Judgement judgement = judge_drawn(drawn, rank, view, input.radius, lists,
+                                    [&](FragmentLists& drawn_lists) { parted.widen_depth_errors(view, drawn_lists); });
   judgement.coverage = coverage;
   return judgement;
 }
@@ -186,7 +185,8 @@ void print_judgement(const Judgement& judgement, int width, std::span<const std:
                                " at the near plane";
   if (judgement.embree) {
     facts.emplace_back("Embree", verdict_text(*judgement.embree, " rays") + "; " + unjudged);
-    if (judgement.embree->inverted_pixels > 0) facts.emplace_back("worst", worst_text(*judgement.embree, width, sources));
+    if (judgement.embree->inverted_pixels > 0)
+      facts.emplace_back("worst", worst_text(*judgement.embree, width, sources));
   } else {
     facts.emplace_back("Embree", "not judged; " + unjudged);
   }

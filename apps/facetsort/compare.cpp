@@ -85,7 +85,9 @@ std::vector<View> mesh_views(const InputMesh& mesh, const CompareOptions& option
   return views;
 }
 
-int view_count(const CompareOptions& options) { return options.inside > 0 ? 6 * options.inside : options.views; }
+int view_count(const CompareOptions& options) {
+  return options.inside > 0 ? 6 * options.inside : options.views;
+}
 
 // About what time a row is proportional to: facets are set up and sorted, pixels are shaded and compared.
 double row_work(const InputMesh& mesh, const CompareOptions& options) {
@@ -213,7 +215,9 @@ Verb add_compare(CLI::App& program, const CommonOptions& common) {
   const auto options = std::make_shared<CompareOptions>();
   CLI::App* command = program.add_subcommand(
       "compare", "Every strategy on every mesh, its error beside its run time: results.json, results.csv, index.html");
-  command->add_option("MESH", options->meshes, "PLY, OBJ, OFF, STL or presorted .fsort files")->required()->type_name("");
+  command->add_option("MESH", options->meshes, "PLY, OBJ, OFF, STL or presorted .fsort files")
+      ->required()
+      ->type_name("");
   command
       ->add_option_function<std::string>(
           "--strategies", [options](const std::string& text) { options->strategies = parse_strategies(text); },
@@ -230,8 +234,9 @@ Verb add_compare(CLI::App& program, const CommonOptions& common) {
       ->excludes(radii)
       ->excludes(ortho);
   add_format_option(*command, options->format);
-  add_count_option(*command, "--repeats", options->repeats, most_repeats,
-                   "Timed frames of each strategy in each view, after one that is not; fewer where they take over a second");
+  add_count_option(
+      *command, "--repeats", options->repeats, most_repeats,
+      "Timed frames of each strategy in each view, after one that is not; fewer where they take over a second");
   command->add_option("--out", options->output, "Folder of the report; made where it is missing")
       ->required()
       ->type_name("DIR");

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "facetsort/blend/strategy.h"
 #include "facetsort/facets/facets.h"
 #include "facetsort/mesh/mesh.h"
 #include "facetsort/order/presorted_mesh.h"
@@ -19,9 +20,10 @@ struct InputMesh {
   Box bounds;
   double radius = 1;  // R; 1 for a mesh that is a single point, whose R is 0
 
-  // Null where it was not presorted, or into plain index buffers alone.
-  const PresortedView* tree() const {
-    return presorted && !presorted->view().pieces.empty() ? &presorted->view() : nullptr;
+  // What the file has of a presorted mesh.
+  PresortedInput presorted_input() const {
+    if (!presorted) return {};
+    return {presorted->view().pieces.empty() ? nullptr : &presorted->view(), presorted->index_buffers()};
   }
 };
 

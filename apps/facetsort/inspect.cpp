@@ -174,7 +174,9 @@ Verb add_inspect(CLI::App& program, const CommonOptions& common) {
   const auto options = std::make_shared<InspectOptions>();
   CLI::App* command = program.add_subcommand(
       "inspect", "What a mesh is: closed, oriented, intersecting, degenerate, how many layers it has");
-  command->add_option("MESH", options->meshes, "PLY, OBJ, OFF, STL or presorted .fsort files")->required()->type_name("");
+  command->add_option("MESH", options->meshes, "PLY, OBJ, OFF, STL or presorted .fsort files")
+      ->required()
+      ->type_name("");
   add_count_option(*command, "--views", options->views, most_views, "Views in which layers are counted");
   add_size_option(*command, options->size, "Pixels of each");
   add_radii_option(*command, options->radii);

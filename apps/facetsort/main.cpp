@@ -63,9 +63,9 @@ ExitStatus run(int argc, char** argv) {
   program.footer(
       "facetsort VERB --help tells a verb's options and has an example.\n"
       "Exit status: 0 done; 1 the answer is no; 2 bad usage or bad input, with one line that says which.");
-  const std::vector<Verb> verbs = {add_inspect(program, common), add_order(program, common),
-                                   add_presort(program, common), add_blend(program, common),
-                                   add_check(program, common), add_compare(program, common),
+  const std::vector<Verb> verbs = {add_inspect(program, common),  add_order(program, common),
+                                   add_presort(program, common),  add_blend(program, common),
+                                   add_check(program, common),    add_compare(program, common),
                                    add_stability(program, common)};
   for (const Verb& verb : verbs) add_common_options(*verb.command, common);
 

@@ -134,16 +134,14 @@ MeasuredStrategy measure_strategy(const InputMesh& input, const Strategy& strate
   row.strategy = strategy.name();
   if (strategy.kind == StrategyKind::facet_sort) row.method = method_name(strategy.method);
 
-  if (!prepared.renderer) {
-    prepared.prepare_ms =
-        time_median([&] { prepared.renderer.emplace(input.mesh.view(), strategy, input.tree()); }, 1).median_ms;
-  }
-  row.prepare_ms = prepared.prepare_ms;
-  measure_cost(*prepared.renderer, refereed, repeats, row, measured.picture);
+  if (!prepared.is_ready()) prepared.prepare(input, strategy);
+  StrategyRenderer& renderer = prepared.renderer();
+  row.prepare_ms = prepared.prepare_ms();
+  measure_cost(renderer, refereed, repeats, row, measured.picture);
   judge(input, measured.picture, refereed, row);
-  judge_draw_order(input, *prepared.renderer, refereed, row);
-  row.miscovered_pixels = count_miscovered(*prepared.renderer, refereed);
-  if (prepared.prepare_ms < long_ms) prepared.renderer.reset();
+  judge_draw_order(input, renderer, refereed, row);
+  row.miscovered_pixels = count_miscovered(renderer, refereed);
+  if (prepared.prepare_ms() < long_ms) prepared.release();
   return measured;
 }
 

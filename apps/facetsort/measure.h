@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstddef>
-#include <optional>
 
 #include "facetsort/blend/fragment_lists.h"
 #include "facetsort/blend/image.h"
@@ -11,6 +10,7 @@
 #include "facetsort/check/embree_referee.h"
 #include "facetsort/report/row.h"
 #include "input_mesh.h"
+#include "prepared_strategy.h"
 
 namespace facetsort {
 
@@ -37,12 +37,6 @@ Agreement compare_referees(const InputMesh& input, const RefereedView& refereed)
 struct MeasuredStrategy {
   Row row;  // all but its `view`, the place in the view set
   Image picture;
-};
-
-// A strategy that took long to make ready for a mesh, for its next view.
-struct PreparedStrategy {
-  std::optional<StrategyRenderer> renderer;
-  double prepare_ms = 0;
 };
 
 // Draws `repeats` times, or as often as most_repeating_seconds allow, after an untimed first frame, whose allocations

@@ -138,8 +138,9 @@ void order_exactly(const OrderOptions& options, const CommonOptions& common, con
   std::optional<ExactSorter> sorter;
   OrderCost cost;
   const auto prepare = [&] {
-    if (options.method == Method::presorted && input.tree() != nullptr) {
-      sorter.emplace(*input.tree());
+    const PresortedView* tree = input.presorted_input().tree;
+    if (options.method == Method::presorted && tree != nullptr) {
+      sorter.emplace(*tree);
     } else {
       sorter.emplace(input.mesh.view(), exact);
     }

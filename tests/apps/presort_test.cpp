@@ -26,7 +26,7 @@ std::vector<std::string> with_view(std::vector<std::string> arguments) {
 
 TEST(PresortVerb, WritesAFileWhoseOrdersAreRight) {
   const TemporaryFolder folder;
-  const std::string mesh = write_mesh(folder, "mesh.ply", slab_cycle(4));
+  const std::string mesh = write_mesh(folder, "mesh.ply", shapes::slab_cycle(4));
   const std::string presorted = (folder.path() / "mesh.fsort").string();
   const std::string order = (folder.path() / "order.ply").string();
   const Finished made = run_program({"presort", mesh, "-o", presorted, "--json"});
@@ -50,14 +50,14 @@ TEST(PresortVerb, WritesAFileWhoseOrdersAreRight) {
 
 TEST(PresortVerb, BlendsTheSamePictureFromTheFileAsFromTheMesh) {
   const TemporaryFolder folder;
-  const std::string mesh = write_mesh(folder, "mesh.ply", triangle_cycle(5));
+  const std::string mesh = write_mesh(folder, "mesh.ply", shapes::triangle_cycle(5));
   const std::string presorted = (folder.path() / "mesh.fsort").string();
   ASSERT_EQ(run_program({"presort", mesh, "-o", presorted}).status, 0);
   std::vector<std::string> pictures;
   for (const std::string& drawn : {mesh, presorted}) {
     const std::string picture = (folder.path() / ("picture" + std::to_string(pictures.size()) + ".png")).string();
-    const Finished finished = run_program(
-        with_view({"blend", drawn, "--strategy", "facet_sort:presorted", "--size", "64", "-o", picture}));
+    const Finished finished =
+        run_program(with_view({"blend", drawn, "--strategy", "facet_sort:presorted", "--size", "64", "-o", picture}));
     ASSERT_EQ(finished.status, 0) << finished.error;
     pictures.push_back(file_bytes(picture));
   }
@@ -66,7 +66,8 @@ TEST(PresortVerb, BlendsTheSamePictureFromTheFileAsFromTheMesh) {
 
 TEST(PresortVerb, FillsAFolderWithTheSameBytesForAnyThreadCount) {
   const TemporaryFolder folder;
-  const std::string one = write_mesh(folder, "one.ply", torus_knot(5000)), two = write_mesh(folder, "two.ply", box());
+  const std::string one = write_mesh(folder, "one.ply", shapes::torus_knot(5000)),
+                    two = write_mesh(folder, "two.ply", shapes::box());
   std::vector<std::string> files;
   for (const std::string threads : {"1", "2", "8"}) {
     const std::filesystem::path output = folder.path() / "out" / threads;
@@ -80,8 +81,8 @@ TEST(PresortVerb, FillsAFolderWithTheSameBytesForAnyThreadCount) {
 
 TEST(PresortVerb, RefusesWhatItCannotDoInOneLineAndWritesNothing) {
   const TemporaryFolder folder;
-  const std::string mesh = write_mesh(folder, "mesh.ply", slab_cycle(4));
-  const std::string again = write_mesh(folder, "mesh.obj", slab_cycle(4));
+  const std::string mesh = write_mesh(folder, "mesh.ply", shapes::slab_cycle(4));
+  const std::string again = write_mesh(folder, "mesh.obj", shapes::slab_cycle(4));
   const std::string presorted = (folder.path() / "mesh.fsort").string();
   const auto expect_refused = [&](const std::vector<std::string>& arguments, const std::string& told) {
     const Finished finished = run_program(arguments);

@@ -44,8 +44,33 @@ TEST(Strategy, NamesAreDistinctAndKnown) {
   EXPECT_EQ(names.size(), 17u);
   EXPECT_EQ(strategy_from_name("facet_sort:parametric_centre"), strategy_from_name("facet_sort:centroid_depth"));
   EXPECT_EQ(strategy_from_name("facet_sort"), strategy_from_name("facet_sort:centroid_distance"));
-  for (const char* unknown : {"", "sorted", "facet_sort:", "facet_sort:nothing", "unsorted:centroid_depth", "unsorted:"}) {
+  EXPECT_EQ(strategy_from_name("presorted_buffers:12"),
+            (Strategy{.kind = StrategyKind::presorted_buffers, .buffers = 12}));
+  EXPECT_EQ(strategy_from_name("presorted_buffers:12")->name(), "presorted_buffers:12");
+  for (const char* unknown : {"presorted_buffers", "presorted_buffers:", "presorted_buffers:0", "presorted_buffers:1x",
+                              "presorted_buffers:-1", "presorted_buffers:1001", "", "sorted", "facet_sort:", "facet_sort:nothing", "unsorted:centroid_depth", "unsorted:"}) {
     EXPECT_FALSE(strategy_from_name(unknown).has_value()) << unknown;
+  }
+}
+
+TEST(Strategy, PresortedBuffersDrawTheOneForTheDirectionOfTheEye) {
+  const Mesh mesh = shapes::box();
+  IndexBuffers buffers{.buffer_count = 2, .directions = {{0, 0, 1}, {0, 0, -1}}, .buffer_of_direction = {1, 0}};
+  std::vector<std::uint32_t> order(mesh.triangles.size());
+  std::iota(order.begin(), order.end(), 0u);
+  buffers.facets = order;
+  buffers.facets.insert(buffers.facets.end(), order.rbegin(), order.rend());
+  StrategyRenderer renderer(mesh.view(), {.kind = StrategyKind::presorted_buffers, .buffers = 2}, {.buffers = &buffers});
+  for (const bool front : {true, false}) {
+    View view = view_of(mesh);
+    const glm::vec3 centre = facet_bounds(mesh.view()).centre();
+    view.at = centre;
+    view.eye = centre + glm::vec3(0.1f, 0.2f, front ? 5.0f : -5.0f);
+    renderer.order(view);
+    const FragmentLists lists = collect_fragments(mesh.view(), view);
+    std::vector<std::uint32_t> expected = order;
+    if (front) std::reverse(expected.begin(), expected.end());
+    EXPECT_EQ(renderer.ranks(view, lists), fragment_ranks(mesh.view(), view, lists, expected));
   }
 }
 

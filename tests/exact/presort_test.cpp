@@ -74,8 +74,10 @@ void expect_vertices_in_their_facets(const Mesh& mesh, const PresortedData& data
 }
 
 TEST(Presort, IsSoundAndKeepsAreas) {
-  for (const Mesh& mesh : {torus_knot(2000), interpenetrating(2), slab_cycle(5), triangle_cycle(4), soup(100, 3),
-                           woven_mat(4), coplanar(40, 5), duplicated_grid(3, 3), box(), nested_shells(3, 0.01f, 1)}) {
+  for (const Mesh& mesh :
+       {shapes::torus_knot(2000), shapes::interpenetrating(2), shapes::slab_cycle(5), shapes::triangle_cycle(4),
+        shapes::soup(100, 3), shapes::woven_mat(4), shapes::coplanar(40, 5), shapes::duplicated_grid(3, 3),
+        shapes::box(), shapes::nested_shells(3, 0.01f, 1)}) {
     const std::optional<Presorted> presorted = presort(mesh.view());
     ASSERT_TRUE(presorted);
     const PresortedData& data = presorted->data;
@@ -90,7 +92,7 @@ TEST(Presort, IsSoundAndKeepsAreas) {
 }
 
 TEST(Presort, LeavesConvexMeshesWhole) {
-  const Mesh mesh = icosphere(3);
+  const Mesh mesh = shapes::icosphere(3);
   const std::optional<Presorted> presorted = presort(mesh.view());
   ASSERT_TRUE(presorted);
   EXPECT_EQ(presorted->statistics.tree_cuts, 0u);
@@ -99,7 +101,7 @@ TEST(Presort, LeavesConvexMeshesWhole) {
 }
 
 TEST(Presort, PutsFacetsInOnePlaneIntoOneNode) {
-  const Mesh mesh = coplanar(50, 9);
+  const Mesh mesh = shapes::coplanar(50, 9);
   const std::optional<Presorted> presorted = presort(mesh.view());
   ASSERT_TRUE(presorted);
   ASSERT_EQ(presorted->data.nodes.size(), 1u);
@@ -130,7 +132,7 @@ TEST(Presort, TakesNothingOneFacetAndFacetsWithoutArea) {
 }
 
 TEST(Presort, KeepsColours) {
-  Mesh mesh = slab_cycle(3);
+  Mesh mesh = shapes::slab_cycle(3);
   mesh.facet_colours.assign(mesh.triangles.size(), glm::vec4(0.25f, 0.5f, 1, 0.5f));
   const std::optional<Presorted> presorted = presort(mesh.view());
   ASSERT_TRUE(presorted);
@@ -139,7 +141,7 @@ TEST(Presort, KeepsColours) {
 }
 
 TEST(Presort, IsTheSameForAnyThreadCountAndInstructionSet) {
-  for (const Mesh& mesh : {torus_knot(9000), load("teapot_1k")}) {
+  for (const Mesh& mesh : {shapes::torus_knot(9000), load("teapot_1k")}) {
     const std::string expected = file_of(presort(mesh.view())->data);
     for (const int threads : {1, 2, 3, 8}) {
       with_threads(threads, [&] { EXPECT_TRUE(file_of(presort(mesh.view())->data) == expected) << threads; });
@@ -149,7 +151,7 @@ TEST(Presort, IsTheSameForAnyThreadCountAndInstructionSet) {
 }
 
 TEST(Presort, GivesNothingWhereGrowthIsNotEnoughOrItIsCancelled) {
-  const Mesh mesh = slab_cycle(3);
+  const Mesh mesh = shapes::slab_cycle(3);
   EXPECT_FALSE(presort(mesh.view(), {.max_growth = 1}));
   PresortProgress progress;
   progress.cancelled = true;
@@ -157,7 +159,7 @@ TEST(Presort, GivesNothingWhereGrowthIsNotEnoughOrItIsCancelled) {
 }
 
 TEST(Presort, TellsItsProgress) {
-  const Mesh mesh = soup(200, 4);
+  const Mesh mesh = shapes::soup(200, 4);
   PresortProgress progress;
   const std::optional<Presorted> presorted = presort(mesh.view(), {}, &progress);
   ASSERT_TRUE(presorted);

@@ -1,12 +1,16 @@
 #include "facetsort/blend/strategy.h"
 
+#include <algorithm>
+#include <charconv>
 #include <numeric>
+#include <system_error>
 
 #include "facetsort/base/parallel.h"
 #include "facetsort/blend/coverage.h"
 #include "facetsort/blend/shading.h"
 #include "facetsort/blend/source_over.h"
 #include "facetsort/exact/exact_sorter.h"
+#include "facetsort/facets/facets.h"
 
 namespace facetsort {
 namespace {
@@ -26,12 +30,13 @@ constexpr NamedKind kinds[] = {
     {StrategyKind::depth_prepass, "depth_prepass"},
     {StrategyKind::depth_write, "depth_write"},
     {StrategyKind::facet_sort, "facet_sort"},
+    {StrategyKind::presorted_buffers, "presorted_buffers"},
     {StrategyKind::depth_peeling, "depth_peeling"},
     {StrategyKind::dual_depth_peeling, "dual_depth_peeling"},
     {StrategyKind::reference, "reference"},
 };
 
-constexpr std::string_view method_separator = ":";
+constexpr std::string_view separator = ":";  // of a kind from its method or number
 
 // What the blend target is told to do for a kind; nothing for those that do not draw a fixed number of passes.
 std::vector<DrawPass> draw_passes(StrategyKind kind) {
@@ -40,6 +45,7 @@ std::vector<DrawPass> draw_passes(StrategyKind kind) {
   switch (kind) {
     case StrategyKind::unsorted:
     case StrategyKind::facet_sort:
+    case StrategyKind::presorted_buffers:
       return {plain};
     case StrategyKind::separate_culling_pass:
       return {backs, fronts};
@@ -71,18 +77,27 @@ void resize_image(const View& view, PixelFormat format, Image& image) {
   image.pixels.resize(static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height));
 }
 
+std::optional<std::size_t> buffers_from_text(std::string_view text) {
+  std::size_t buffers = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), buffers);
+  const bool is_number = error == std::errc() && end == text.data() + text.size();
+  return is_number && buffers >= 1 && buffers <= Strategy::most_buffers ? std::optional(buffers) : std::nullopt;
+}
+
 }  // namespace
 
 bool Strategy::draws_in_order() const {
   return kind == StrategyKind::unsorted || kind == StrategyKind::separate_culling_pass ||
-         kind == StrategyKind::double_sided || kind == StrategyKind::facet_sort;
+         kind == StrategyKind::double_sided || kind == StrategyKind::facet_sort ||
+         kind == StrategyKind::presorted_buffers;
 }
 
 std::string Strategy::name() const {
   for (const NamedKind& named : kinds) {
     if (named.kind != kind) continue;
     std::string text(named.name);
-    if (kind == StrategyKind::facet_sort) text.append(method_separator).append(method_name(method));
+    if (kind == StrategyKind::facet_sort) text.append(separator).append(method_name(method));
+    if (kind == StrategyKind::presorted_buffers) text.append(separator).append(std::to_string(buffers));
     return text;
   }
   return {};
@@ -93,7 +108,7 @@ std::vector<Strategy> all_strategies() {
   for (const NamedKind& named : kinds) {
     if (named.kind == StrategyKind::facet_sort) {
       for (const Method method : all_methods()) strategies.push_back({named.kind, method});
-    } else {
+    } else if (named.kind != StrategyKind::presorted_buffers) {
       strategies.push_back({.kind = named.kind});
     }
   }
@@ -101,16 +116,19 @@ std::vector<Strategy> all_strategies() {
 }
 
 std::optional<Strategy> strategy_from_name(std::string_view name) {
-  const std::size_t separator = name.find(method_separator);
-  const std::string_view kind_name = name.substr(0, separator);
+  const std::size_t end = std::min(name.find(separator), name.size());
+  const std::string_view detail = name.substr(std::min(end + separator.size(), name.size()));
   for (const NamedKind& named : kinds) {
-    if (named.name != kind_name) continue;
-    if (named.kind != StrategyKind::facet_sort) {
-      return separator == std::string_view::npos ? std::optional(Strategy{.kind = named.kind}) : std::nullopt;
+    if (named.name != name.substr(0, end)) continue;
+    if (named.kind == StrategyKind::presorted_buffers) {
+      const std::optional<std::size_t> buffers = buffers_from_text(detail);
+      if (!buffers) return std::nullopt;
+      return Strategy{.kind = named.kind, .buffers = *buffers};
     }
-    if (separator == std::string_view::npos) return Strategy{.kind = named.kind};
-    const std::optional<Method> method = method_from_name(name.substr(separator + 1));
-    if (method) return Strategy{named.kind, *method};
+    if (end == name.size()) return Strategy{.kind = named.kind};
+    if (named.kind != StrategyKind::facet_sort) return std::nullopt;
+    const std::optional<Method> method = method_from_name(detail);
+    if (method) return Strategy{.kind = named.kind, .method = *method};
   }
   return std::nullopt;
 }
@@ -121,6 +139,8 @@ struct StrategyRenderer::State {
   std::vector<DrawPass> passes;
   std::optional<Sorter> sorter;
   std::optional<ExactSorter> exact_sorter;
+  const IndexBuffers* buffers = nullptr;
+  glm::vec3 centre{0};                     // from which their directions are
   std::vector<std::uint32_t> index_order;  // of the strategies that do not sort
   std::span<const std::uint32_t> order;
   std::vector<glm::vec4> colours;
@@ -139,17 +159,20 @@ struct StrategyRenderer::State {
   }
 };
 
-StrategyRenderer::StrategyRenderer(const MeshView& mesh, const Strategy& strategy, const PresortedView* presorted)
+StrategyRenderer::StrategyRenderer(const MeshView& mesh, const Strategy& strategy, const PresortedInput& presorted)
     : state_(std::make_unique<State>()) {
   state_->mesh = mesh;
   state_->strategy = strategy;
   state_->passes = draw_passes(strategy.kind);
-  if (strategy.kind == StrategyKind::facet_sort && strategy.method == Method::presorted && presorted != nullptr) {
-    state_->exact_sorter.emplace(*presorted);
+  if (strategy.kind == StrategyKind::facet_sort && strategy.method == Method::presorted && presorted.tree != nullptr) {
+    state_->exact_sorter.emplace(*presorted.tree);
   } else if (strategy.kind == StrategyKind::facet_sort && is_exact(strategy.method)) {
     state_->exact_sorter.emplace(mesh, ExactOptions{.from = order_from(strategy.method)});
   } else if (strategy.kind == StrategyKind::facet_sort) {
     state_->sorter.emplace(mesh, SorterOptions{.method = strategy.method, .precision = Precision::whole});
+  } else if (strategy.kind == StrategyKind::presorted_buffers) {
+    state_->buffers = presorted.buffers;
+    state_->centre = facet_bounds(mesh).centre();
   } else if (strategy.kind != StrategyKind::reference) {
     state_->index_order.resize(mesh.facet_count());
     std::iota(state_->index_order.begin(), state_->index_order.end(), 0u);
@@ -168,6 +191,11 @@ void StrategyRenderer::order(const View& view) {
     state_->order = state_->sorter->sort(sort_view);
   }
   if (state_->exact_sorter) state_->order = state_->exact_sorter->sort(sort_view);
+  if (state_->buffers != nullptr) {
+    const glm::vec3 eye(sort_view.eye);
+    const glm::vec3 to_viewer = sort_view.eye.w == 0 ? eye : eye - state_->centre;
+    state_->order = state_->buffers->buffer(nearest_buffer(*state_->buffers, to_viewer));
+  }
 }
 
 DrawStatistics StrategyRenderer::draw(const View& view, PixelFormat format, Image& image) {
@@ -217,7 +245,9 @@ std::vector<std::uint32_t> StrategyRenderer::ranks(const View& view, const Fragm
   return fragment_ranks(state.mesh, view, lists, drawn);
 }
 
-const Strategy& StrategyRenderer::strategy() const { return state_->strategy; }
+const Strategy& StrategyRenderer::strategy() const {
+  return state_->strategy;
+}
 
 int StrategyRenderer::passes() const {
   const State& state = *state_;
@@ -234,6 +264,11 @@ std::size_t StrategyRenderer::triangles() const {
 
 std::size_t StrategyRenderer::prepared_bytes() const {
   if (state_->exact_sorter) return state_->exact_sorter->prepared_bytes();
+  if (state_->buffers != nullptr) {
+    const IndexBuffers& buffers = *state_->buffers;
+    return buffers.facets.size() * sizeof(buffers.facets[0]) +
+           buffers.directions.size() * (sizeof(buffers.directions[0]) + sizeof(buffers.buffer_of_direction[0]));
+  }
   return state_->sorter ? state_->sorter->prepared_bytes() : 0;
 }
 
@@ -242,8 +277,7 @@ std::optional<ExactStatistics> StrategyRenderer::exact_statistics() const {
   return state_->exact_sorter->statistics();
 }
 
-void blend_lists(const MeshView& mesh, const View& view, const FragmentLists& lists, PixelFormat format,
-                 Image& image) {
+void blend_lists(const MeshView& mesh, const View& view, const FragmentLists& lists, PixelFormat format, Image& image) {
   resize_image(view, format, image);
   const glm::vec4 eye = view.homogeneous_eye();
   const Camera camera(view);
@@ -255,9 +289,8 @@ void blend_lists(const MeshView& mesh, const View& view, const FragmentLists& li
       glm::vec4 blended = blend.clear(background);
       const int x = static_cast<int>(pixel) % image.width, y = static_cast<int>(pixel) / image.width;
       for (const Fragment& fragment : lists.pixel(pixel)) {
-        const glm::vec4 source = colours.empty()
-                                     ? fragment_colour(mesh, fragment.facet, camera.pixel_ray(x, y), eye)
-                                     : colours[fragment.facet];
+        const glm::vec4 source = colours.empty() ? fragment_colour(mesh, fragment.facet, camera.pixel_ray(x, y), eye)
+                                                 : colours[fragment.facet];
         blended = blend.over(source, blended);
       }
       image.pixels[pixel] = blend.finish(blended);

@@ -1,6 +1,7 @@
 // How a picture of a self-transparent mesh is made: the strategies that engines offer, and ours.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -29,6 +30,7 @@ enum class StrategyKind {
   depth_prepass,          // depth first, then colour where the depth is the nearest (Babylon.js needDepthPrePass)
   depth_write,            // index order with depth test and depth writing on (Three.js's default)
   facet_sort,             // facets ordered by a method: a depth key, or exactly, cut where they must be
+  presorted_buffers,      // one of a few fixed orders of whole facets, by the direction of the eye (see IndexBuffers)
   depth_peeling,          // a layer a pass, from the front, until none is left (Everitt 2001; vtkDepthPeelingPass)
   dual_depth_peeling,     // two layers a pass, the nearest and the farthest left (Bavoil and Myers 2008;
                           // vtkDualDepthPeelingPass)
@@ -38,26 +40,34 @@ enum class StrategyKind {
 struct Strategy {
   StrategyKind kind = StrategyKind::unsorted;
   Method method = Method::centroid_distance;  // of facet_sort
+  std::size_t buffers = 0;                    // of presorted_buffers; 1 to most_buffers
+
+  static constexpr std::size_t most_buffers = 1000;
 
   bool operator==(const Strategy&) const = default;
   // Whether each facet, or each piece of it, is drawn at one place of an order, so that inversions can be counted.
   bool draws_in_order() const;
-  // "unsorted", "facet_sort:centroid_distance", ...
+  // "unsorted", "facet_sort:centroid_distance", "presorted_buffers:10", ...
   std::string name() const;
 };
 
-// Every strategy, in the order in which reports show them; `reference` last.
+// Every strategy that needs no number, in the order in which reports show them; `reference` last.
 std::vector<Strategy> all_strategies();
 // Knows every name() and, as method, its alias.
 std::optional<Strategy> strategy_from_name(std::string_view name);
+
+// A mesh as it was presorted before; either may be null. The arrays must outlive who takes it.
+struct PresortedInput {
+  const PresortedView* tree = nullptr;    // for facet_sort:presorted, which else presorts the mesh itself
+  const IndexBuffers* buffers = nullptr;  // for presorted_buffers
+};
 
 // One frame of a strategy, its stages apart so that each can be timed: construct once a mesh, then for each view
 // order() and draw(). Keeps its scratch. One thread at a time; parallel in the caller's task arena.
 class StrategyRenderer {
  public:
-  // The mesh's arrays must outlive it, and those of `presorted`, which may be null: where the strategy's method is
-  // presorted, it is the mesh presorted before, and else not looked at.
-  StrategyRenderer(const MeshView& mesh, const Strategy& strategy, const PresortedView* presorted = nullptr);
+  // The mesh's arrays must outlive it. Precondition: presorted_buffers gets buffers of this mesh, with directions.
+  StrategyRenderer(const MeshView& mesh, const Strategy& strategy, const PresortedInput& presorted = {});
   StrategyRenderer(StrategyRenderer&&) noexcept;
   StrategyRenderer& operator=(StrategyRenderer&&) noexcept;
   ~StrategyRenderer();

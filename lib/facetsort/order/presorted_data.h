@@ -86,6 +86,21 @@ struct IndexBuffers {
   bool needs_culling = false;  // the engine has to leave out facets seen from behind
   // Measured share of inverted pixels.
   double mean_inverted_rate = 0, worst_inverted_rate = 0;
+
+  std::size_t facet_count() const { return buffer_count == 0 ? 0 : facets.size() / buffer_count; }
+  std::span<const std::uint32_t> buffer(std::size_t i) const {
+    return std::span(facets).subspan(i * facet_count(), facet_count());
+  }
 };
+
+// The buffer for a viewer in this direction (any length > 0) from the centre of the mesh's box.
+// Precondition: there are directions.
+inline std::size_t nearest_buffer(const IndexBuffers& buffers, const glm::vec3& to_viewer) {
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < buffers.directions.size(); ++i) {
+    if (glm::dot(buffers.directions[i], to_viewer) > glm::dot(buffers.directions[best], to_viewer)) best = i;
+  }
+  return buffers.buffer_of_direction[best];
+}
 
 }  // namespace facetsort
