@@ -4,6 +4,8 @@
 // clang-format off: sorting would lose the pipeline order.
 #include "facetsort/base/parallel.h"
 #include "facetsort/base/status.h"
+#include "facetsort/base/file_bytes.h"
+#include "facetsort/base/new_file.h"
 
 #include "facetsort/mesh/mesh_view.h"
 #include "facetsort/mesh/mesh.h"
@@ -19,6 +21,7 @@
 #include "facetsort/order/sorter.h"
 #include "facetsort/order/spatial_order.h"
 #include "facetsort/order/presorted_data.h"
+#include "facetsort/order/presorted_mesh.h"
 
 #include "facetsort/exact/predicates.h"
 #include "facetsort/exact/facts.h"
