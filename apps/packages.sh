@@ -7,7 +7,7 @@
 facetsort_packages=(
   g++ cmake ninja-build
   libglm-dev libtbb-dev libhwy-dev libboost-dev libembree-dev libopenmesh-dev libopenimageio-dev
-  nlohmann-json3-dev libcli11-dev libgtest-dev libbenchmark-dev
+  nlohmann-json3-dev libtinygltf-dev libcli11-dev libgtest-dev libbenchmark-dev
   gnuplot-nox
 )
 

@@ -26,5 +26,7 @@ void register_draw_benchmarks();
 void register_llvmpipe_benchmarks();
 // collect_fragments/MESH: per-pixel lists at 512 x 512.
 void register_fragment_benchmarks();
+// index_buffers/MESH, index_buffers_culled/MESH: ten index buffers, and what they err.
+void register_index_buffers_benchmarks();
 
 }  // namespace facetsort::bench

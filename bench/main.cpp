@@ -48,6 +48,7 @@ int main(int argc, char** argv) {
   facetsort::bench::register_llvmpipe_benchmarks();
 #endif
   facetsort::bench::register_fragment_benchmarks();
+  facetsort::bench::register_index_buffers_benchmarks();
   std::unique_ptr<benchmark::BenchmarkReporter> shown(benchmark::CreateDefaultDisplayReporter());
   ErrorWatch watch(std::move(shown));
   const std::size_t ran = benchmark::RunSpecifiedBenchmarks(&watch);

@@ -1,4 +1,4 @@
-// The public headers, in pipeline order: mesh, facets, order, exact decisions, blend, check, report.
+// The public headers, in pipeline order: mesh, facets, order, exact decisions, blend, check, presort, report.
 #pragma once
 
 // clang-format off: sorting would lose the pipeline order.
@@ -41,6 +41,9 @@
 #include "facetsort/check/verdict.h"
 #include "facetsort/check/picture_verdict.h"
 #include "facetsort/check/embree_referee.h"
+
+#include "facetsort/presort/index_buffers.h"
+#include "facetsort/presort/write_gltf.h"
 
 #include "facetsort/report/row.h"
 #include "facetsort/report/timing.h"

@@ -22,8 +22,8 @@ namespace {
 using Sources = std::map<std::string, std::string>;
 
 // In pipeline order: a folder includes itself and what stands before it.
-constexpr std::array folders{"base",  "mesh",  "facets", "order", "exact",  "presort",
-                             "scene", "blend", "check",  "plan",  "report", "c"};
+constexpr std::array folders{"base",  "mesh",  "facets",  "order", "exact",  "scene",
+                             "blend", "check", "presort", "plan",  "report", "c"};
 
 // A package and a folder that may include its headers, in a single file of it where `single_file`.
 struct PackageHome {
@@ -36,6 +36,7 @@ constexpr std::array package_homes{
     PackageHome{"hwy/", "exact", false},         PackageHome{"hwy/", "blend", true},
     PackageHome{"hwy/", "order", false},         PackageHome{"embree3/", "check", true},
     PackageHome{"OpenImageIO/", "report", true}, PackageHome{"nlohmann/", "report", true},
+    PackageHome{"tiny_gltf.h", "presort", true},
 };
 // Small enough for every folder, and part of what `order` asks for.
 constexpr std::array packages_for_all{"glm/", "tbb/"};
