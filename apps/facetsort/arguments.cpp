@@ -48,7 +48,7 @@ PictureSize parse_size(const std::string& text) {
 std::string method_names() {
   std::string names;
   for (const Method method : all_methods()) names.append(names.empty() ? "" : ", ").append(method_name(method));
-  return names;
+  return names + ", presorted_buffers:K";
 }
 
 constexpr std::string_view rgba32f_name = "rgba32f", rgba8_name = "rgba8";
@@ -145,15 +145,30 @@ CLI::Option* add_growth_option(CLI::App& command, std::optional<double>& max_gro
   return command
       .add_option_function<std::string>(
           "--max-growth", parse,
-          "Of exact alone: most triangles out over facets in; what would take more cuts stays unordered and is counted")
+          "Of what cuts: most triangles out over facets in; what would take more cuts stays unordered and is counted")
       ->type_name("G")
       ->default_str(std::to_string(std::lround(ExactOptions{}.max_growth)));
+}
+
+CLI::Option* add_error_option(CLI::App& command, std::optional<double>& max_error) {
+  const auto parse = [&max_error](const std::string& text) {
+    const std::optional<double> number = parse_number<double>(text);
+    if (!number || !(*number >= 0 && *number <= 1)) {
+      throw CLI::ValidationError("--max-error", "'" + text + "' is not a number from 0 to 1");
+    }
+    max_error = *number;
+  };
+  return command
+      .add_option_function<std::string>(
+          "--max-error", parse,
+          "As few index buffers as have a mean share of inverted pixels of at most this: 0.0001 for 0.01 %")
+      ->type_name("E");
 }
 
 std::string strategy_names() {
   std::string names;
   for (const Strategy& strategy : all_strategies()) names += (names.empty() ? "" : ", ") + strategy.name();
-  return names;
+  return names + ", presorted_buffers:K";
 }
 
 }  // namespace facetsort

@@ -29,6 +29,8 @@ CLI::Option* add_size_option(CLI::App& command, PictureSize& size, const std::st
 CLI::Option* add_count_option(CLI::App& command, const std::string& name, int& count, int most,
                               const std::string& description);
 CLI::Option* add_radii_option(CLI::App& command, float& radii);
+// A share of pixels, from 0 to 1.
+CLI::Option* add_error_option(CLI::App& command, std::optional<double>& max_error);
 // A finite number of at least 1.
 CLI::Option* add_growth_option(CLI::App& command, std::optional<double>& max_growth);
 

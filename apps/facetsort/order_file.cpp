@@ -35,21 +35,6 @@ glm::vec4 interpolated_colour(const Mesh& mesh, const CutVertex& vertex) {
   return colour;
 }
 
-Mesh in_draw_order(const Mesh& mesh, const OrderedTriangles& order) {
-  Mesh drawn;
-  drawn.positions = mesh.positions;
-  drawn.vertex_colours = mesh.vertex_colours;
-  for (const CutVertex& vertex : order.vertices) {
-    drawn.positions.push_back(vertex.position);
-    if (!mesh.vertex_colours.empty()) drawn.vertex_colours.push_back(interpolated_colour(mesh, vertex));
-  }
-  drawn.triangles = order.triangles;
-  if (!mesh.facet_colours.empty()) {
-    for (const std::uint32_t facet : order.source) drawn.facet_colours.push_back(mesh.facet_colours[facet]);
-  }
-  return drawn;
-}
-
 std::string little_endian_bytes(std::span<const std::uint32_t> ids) {
   std::string bytes;
   bytes.reserve(id_bytes * ids.size());
@@ -95,6 +80,21 @@ OrderFile read_triangles(const std::filesystem::path& path) {
 
 }  // namespace
 
+Mesh mesh_of(const Mesh& mesh, const OrderedTriangles& order) {
+  Mesh drawn;
+  drawn.positions = mesh.positions;
+  drawn.vertex_colours = mesh.vertex_colours;
+  for (const CutVertex& vertex : order.vertices) {
+    drawn.positions.push_back(vertex.position);
+    if (!mesh.vertex_colours.empty()) drawn.vertex_colours.push_back(interpolated_colour(mesh, vertex));
+  }
+  drawn.triangles = order.triangles;
+  if (!mesh.facet_colours.empty()) {
+    for (const std::uint32_t facet : order.source) drawn.facet_colours.push_back(mesh.facet_colours[facet]);
+  }
+  return drawn;
+}
+
 void write_order(const std::filesystem::path& path, const Mesh& mesh, std::span<const std::uint32_t> order) {
   if (extension_of(path) == ".ply") {
     require(write_ply(path, in_draw_order(mesh, order).view(), order));
@@ -104,7 +104,7 @@ void write_order(const std::filesystem::path& path, const Mesh& mesh, std::span<
 }
 
 void write_triangles(const std::filesystem::path& path, const Mesh& mesh, const OrderedTriangles& order) {
-  require(write_ply(path, in_draw_order(mesh, order).view(), order.source));
+  require(write_ply(path, mesh_of(mesh, order).view(), order.source));
 }
 
 OrderFile read_order(const std::filesystem::path& path) {

@@ -14,10 +14,13 @@
 
 namespace facetsort {
 
+// The mesh's vertices, then those of the cuts, their colours interpolated; the triangles with the colours of their
+// facets.
+Mesh mesh_of(const Mesh& mesh, const OrderedTriangles& order);
+
 // All throw Failure. Files are written under a temporary name and renamed.
 void write_order(const std::filesystem::path& path, const Mesh& mesh, std::span<const std::uint32_t> order);
-// A .ply: the mesh's vertices, then those of the cuts, their colours interpolated; the triangles with the colours of
-// their facets.
+// A .ply of mesh_of().
 void write_triangles(const std::filesystem::path& path, const Mesh& mesh, const OrderedTriangles& order);
 
 // Ids as the file has them, in and out of range. For a .ply its triangles too.

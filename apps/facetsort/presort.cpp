@@ -16,10 +16,14 @@
 #include <vector>
 
 #include "arguments.h"
+#include "facetsort/exact/exact_sorter.h"
 #include "facetsort/order/presorted_mesh.h"
+#include "facetsort/presort/index_buffers.h"
+#include "facetsort/presort/write_gltf.h"
 #include "facetsort/report/number_text.h"
 #include "facetsort/report/timing.h"
 #include "input_mesh.h"
+#include "order_file.h"
 #include "output.h"
 #include "progress.h"
 #include "verbs.h"
@@ -34,6 +38,11 @@ struct PresortVerbOptions {
   std::filesystem::path output;
   int effort = 1;
   std::optional<double> max_growth;
+  int buffers = 0;  // 0: a tree, unless max_error is given
+  std::optional<double> max_error;
+  bool with_culling = false, cut_crossing = false;
+
+  bool makes_buffers() const { return buffers > 0 || max_error.has_value(); }
 };
 
 std::atomic<bool> interrupted{false};
@@ -99,7 +108,8 @@ std::size_t peak_memory_bytes() {
 struct Outcome {
   std::string mesh, output;
   std::size_t facets = 0;
-  PresortStatistics statistics;
+  PresortStatistics statistics;         // of a tree
+  std::optional<IndexBuffers> buffers;  // or these
   double presort_ms = 0, write_ms = 0;
   std::uintmax_t file_bytes = 0;
   std::size_t peak_bytes = 0;  // of the program, up to here
@@ -126,16 +136,60 @@ Presorted presort_input(const InputMesh& input, const PresortVerbOptions& option
   return std::move(*presorted);
 }
 
+IndexBuffers make_buffers(const InputMesh& input, const MeshView& mesh, const PresortVerbOptions& options) {
+  IndexBuffersOptions buffer_options{.max_error = options.max_error, .with_culling = options.with_culling};
+  if (options.buffers > 0) buffer_options.most_buffers = static_cast<std::size_t>(options.buffers);
+  Progress progress(1);
+  double shown = 0;
+  buffer_options.progress = [&](double share) {
+    progress.add(share - shown);
+    shown = share;
+    progress.show(input.name);
+    return !interrupted;
+  };
+  IndexBuffers buffers = make_index_buffers(mesh, buffer_options);
+  if (interrupted) throw Failure(input.path.string() + ": interrupted; nothing was written for it");
+  return buffers;
+}
+
+void presort_into_buffers(const InputMesh& input, const std::filesystem::path& output,
+                          const PresortVerbOptions& options, Outcome& outcome) {
+  Mesh cut;
+  if (options.cut_crossing) cut = mesh_of(input.mesh, ExactSorter(input.mesh.view()).triangles());
+  const MeshView mesh = options.cut_crossing ? cut.view() : input.mesh.view();
+  outcome.statistics.triangles = mesh.facet_count();
+  outcome.presort_ms = time_median([&] { outcome.buffers = make_buffers(input, mesh, options); }, 1).median_ms;
+  const auto write = [&] {
+    if (extension_of(output) == ".fsort") {
+      PresortedView no_tree;
+      no_tree.mesh = mesh;
+      require(write_presorted(output, no_tree, &*outcome.buffers));
+    } else {
+      require(write_gltf(output, mesh, *outcome.buffers));
+    }
+  };
+  outcome.write_ms = time_median(write, 1).median_ms;
+}
+
+void presort_into_tree(const InputMesh& input, const std::filesystem::path& output, const PresortVerbOptions& options,
+                       Outcome& outcome) {
+  std::optional<Presorted> presorted;
+  outcome.presort_ms = time_median([&] { presorted = presort_input(input, options); }, 1).median_ms;
+  outcome.statistics = presorted->statistics;
+  outcome.write_ms = time_median([&] { require(write_presorted(output, presorted->data.view())); }, 1).median_ms;
+}
+
 Outcome presort_file(const std::string& path, const std::filesystem::path& output, const PresortVerbOptions& options) {
   const InputMesh input = read_input_mesh(path);
   Outcome outcome;
   outcome.mesh = path;
   outcome.output = output.string();
   outcome.facets = input.mesh.triangles.size();
-  std::optional<Presorted> presorted;
-  outcome.presort_ms = time_median([&] { presorted = presort_input(input, options); }, 1).median_ms;
-  outcome.statistics = presorted->statistics;
-  outcome.write_ms = time_median([&] { require(write_presorted(output, presorted->data.view())); }, 1).median_ms;
+  if (options.makes_buffers()) {
+    presort_into_buffers(input, output, options, outcome);
+  } else {
+    presort_into_tree(input, output, options, outcome);
+  }
   outcome.file_bytes = std::filesystem::file_size(output);
   outcome.peak_bytes = peak_memory_bytes();
   return outcome;
@@ -143,23 +197,31 @@ Outcome presort_file(const std::string& path, const std::filesystem::path& outpu
 
 Json outcome_json(const Outcome& outcome) {
   const PresortStatistics& s = outcome.statistics;
-  return {{"mesh", outcome.mesh},
-          {"facets", outcome.facets},
-          {"crossing_pairs", s.crossing_pairs},
-          {"crossing_cuts", s.crossing_cuts},
-          {"tree_cuts", s.tree_cuts},
-          {"nodes", s.nodes},
-          {"pieces", s.pieces},
-          {"triangles_out", s.triangles},
-          {"growth", outcome.growth()},
-          {"presort_ms", outcome.presort_ms},
-          {"part_ms", s.part_ms},
-          {"tree_ms", s.tree_ms},
-          {"triangulate_ms", s.triangulate_ms},
-          {"write_ms", outcome.write_ms},
-          {"file_bytes", outcome.file_bytes},
-          {"peak_memory_bytes", outcome.peak_bytes},
-          {"output", outcome.output}};
+  Json json = {{"mesh", outcome.mesh}, {"facets", outcome.facets}};
+  if (outcome.buffers) {
+    json["buffers"] = outcome.buffers->buffer_count;
+    json["directions"] = outcome.buffers->directions.size();
+    json["needs_culling"] = outcome.buffers->needs_culling;
+    json["mean_inverted_rate"] = outcome.buffers->mean_inverted_rate;
+    json["worst_inverted_rate"] = outcome.buffers->worst_inverted_rate;
+  } else {
+    json["crossing_pairs"] = s.crossing_pairs;
+    json["crossing_cuts"] = s.crossing_cuts;
+    json["tree_cuts"] = s.tree_cuts;
+    json["nodes"] = s.nodes;
+    json["pieces"] = s.pieces;
+    json["part_ms"] = s.part_ms;
+    json["tree_ms"] = s.tree_ms;
+    json["triangulate_ms"] = s.triangulate_ms;
+  }
+  json["triangles_out"] = s.triangles;
+  json["growth"] = outcome.growth();
+  json["presort_ms"] = outcome.presort_ms;
+  json["write_ms"] = outcome.write_ms;
+  json["file_bytes"] = outcome.file_bytes;
+  json["peak_memory_bytes"] = outcome.peak_bytes;
+  json["output"] = outcome.output;
+  return json;
 }
 
 std::string megabytes_text(double bytes) {
@@ -168,23 +230,36 @@ std::string megabytes_text(double bytes) {
 
 Facts outcome_facts(const Outcome& outcome) {
   const PresortStatistics& s = outcome.statistics;
-  return {{"mesh", outcome.mesh},
-          {"facets", count_text(outcome.facets)},
-          {"crossing",
-           count_text(s.crossing_pairs) + " pairs of facets, parted by " + count_text(s.crossing_cuts) + " cuts"},
-          {"tree", count_text(s.nodes) + " planes, " + count_text(s.tree_cuts) + " cuts"},
-          {"drawn", count_text(s.pieces) + " pieces, " + count_text(s.triangles) + " triangles: growth " +
-                        fixed_text(outcome.growth(), 3)},
-          {"times", milliseconds_text(outcome.presort_ms) + " ms to presort, " + milliseconds_text(outcome.write_ms) +
-                        " ms to write"},
-          {"memory", megabytes_text(static_cast<double>(outcome.peak_bytes)) + " at most"},
-          {"output", outcome.output + ", " + megabytes_text(static_cast<double>(outcome.file_bytes))}};
+  Facts facts{{"mesh", outcome.mesh}, {"facets", count_text(outcome.facets)}};
+  if (outcome.buffers) {
+    const IndexBuffers& buffers = *outcome.buffers;
+    facts.emplace_back("buffers", count_text(buffers.buffer_count) + " of " + count_text(s.triangles) +
+                                      " triangles for " + count_text(buffers.directions.size()) + " directions" +
+                                      (buffers.needs_culling ? ", drawn without back faces" : ""));
+    facts.emplace_back("inverted", percent_text(buffers.mean_inverted_rate) + " of the pixels in the mean, " +
+                                       percent_text(buffers.worst_inverted_rate) + " in the worst view");
+  } else {
+    facts.emplace_back("crossing", count_text(s.crossing_pairs) + " pairs of facets, parted by " +
+                                       count_text(s.crossing_cuts) + " cuts");
+    facts.emplace_back("tree", count_text(s.nodes) + " planes, " + count_text(s.tree_cuts) + " cuts");
+    facts.emplace_back("drawn", count_text(s.pieces) + " pieces, " + count_text(s.triangles) + " triangles: growth " +
+                                    fixed_text(outcome.growth(), 3));
+  }
+  facts.emplace_back("times", milliseconds_text(outcome.presort_ms) + " ms to presort, " +
+                                  milliseconds_text(outcome.write_ms) + " ms to write");
+  facts.emplace_back("memory", megabytes_text(static_cast<double>(outcome.peak_bytes)) + " at most");
+  facts.emplace_back("output", outcome.output + ", " + megabytes_text(static_cast<double>(outcome.file_bytes)));
+  return facts;
 }
 
 // Where each mesh goes: to the one file named, or into the folder.
 std::vector<std::filesystem::path> output_files(const PresortVerbOptions& options) {
   if (options.meshes.size() == 1 && !std::filesystem::is_directory(options.output)) {
-    require_output_file(options.output, {".fsort"});
+    if (options.makes_buffers()) {
+      require_output_file(options.output, {".fsort", ".glb", ".gltf"});
+    } else {
+      require_output_file(options.output, {".fsort"});
+    }
     return {options.output};
   }
   std::vector<std::filesystem::path> files;
@@ -203,6 +278,9 @@ std::vector<std::filesystem::path> output_files(const PresortVerbOptions& option
 }
 
 ExitStatus run_presort(const PresortVerbOptions& options, const CommonOptions& common) {
+  if (!options.makes_buffers() && (options.with_culling || options.cut_crossing)) {
+    throw Failure("--with-culling and --cut are options of --buffers and --max-error");
+  }
   const std::vector<std::filesystem::path> files = output_files(options);
   const InterruptGuard guard;
   Json documents = Json::array();
@@ -231,9 +309,16 @@ Verb add_presort(CLI::App& program, const CommonOptions& common) {
   add_count_option(*command, "--effort", options->effort, most_effort,
                    "How many planes are tried at each node of the tree: more time, fewer cuts [1]");
   add_growth_option(*command, options->max_growth);
+  add_count_option(*command, "--buffers", options->buffers, static_cast<int>(Strategy::most_buffers),
+                   "Plain index buffers in place of a tree, for engines that draw them as they are: so many, made for "
+                   "all directions with as few inverted pixels as can be");
+  add_error_option(*command, options->max_error);
+  command->add_flag("--with-culling", options->with_culling, "For engines that leave out facets seen from behind");
+  command->add_flag("--cut", options->cut_crossing, "Cut facets that cross before their buffers are made");
   command
       ->add_option("-o,--output", options->output,
-                   "OUT.fsort; or, and always with several meshes, a folder, in which each becomes NAME.fsort")
+                   "OUT.fsort; with index buffers OUT.glb or OUT.gltf too; or, and always with several meshes, a "
+                   "folder, in which each becomes NAME.fsort")
       ->required()
       ->type_name("OUT");
   command->footer("Example: facetsort presort meshes/teapot_1k.ply meshes/hand_2k.ply -o presorted");
