@@ -36,8 +36,8 @@ class PresortedReader {
 
   // Writes the triangles that are drawn, back to front, as indices of the mesh's vertices and, after them, of the made
   // ones; ids[k], where `ids` is not empty, is the facet that the k-th is, or is part of. Returns how many there are.
-  // Both are written once, front to back or, by several threads, in a few runs front to back, and never read: they may
-  // be mapped GPU buffers. What follows the last triangle is left as it is.
+  // Both are written front to back or, by several threads, in a few runs front to back, and never read: they may be
+  // mapped GPU buffers. Up to four triangles at a time may be written twice; what follows the last is left as it is.
   // Eyes: (x, y, z, 1) a point, perspective; (x, y, z, 0) the direction towards the viewer, orthographic.
   // Preconditions: the eye is finite, and w = 1, or w = 0 and it is not zero; indices.size() >= 3 * triangles.size();
   // `ids` is empty or has room for all triangles.
