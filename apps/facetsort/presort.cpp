@@ -254,7 +254,7 @@ Facts outcome_facts(const Outcome& outcome) {
 
 // Where each mesh goes: to the one file named, or into the folder.
 std::vector<std::filesystem::path> output_files(const PresortVerbOptions& options) {
-  if (options.meshes.size() == 1 && !std::filesystem::is_directory(options.output)) {
+  if (options.meshes.size() == 1 && options.output.has_filename() && !std::filesystem::is_directory(options.output)) {
     if (options.makes_buffers()) {
       require_output_file(options.output, {".fsort", ".glb", ".gltf"});
     } else {
@@ -318,7 +318,7 @@ Verb add_presort(CLI::App& program, const CommonOptions& common) {
   command
       ->add_option("-o,--output", options->output,
                    "OUT.fsort; with index buffers OUT.glb or OUT.gltf too; or, and always with several meshes, a "
-                   "folder, in which each becomes NAME.fsort")
+                   "folder (OUT/), in which each becomes NAME.fsort")
       ->required()
       ->type_name("OUT");
   command->footer("Example: facetsort presort meshes/teapot_1k.ply meshes/hand_2k.ply -o presorted");
