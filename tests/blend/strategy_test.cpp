@@ -55,7 +55,10 @@ TEST(Strategy, NamesAreDistinctAndKnown) {
 
 TEST(Strategy, PresortedBuffersDrawTheOneForTheDirectionOfTheEye) {
   const Mesh mesh = shapes::box();
-  IndexBuffers buffers{.buffer_count = 2, .directions = {{0, 0, 1}, {0, 0, -1}}, .buffer_of_direction = {1, 0}};
+  IndexBuffers buffers;
+  buffers.buffer_count = 2;
+  buffers.directions = {{0, 0, 1}, {0, 0, -1}};
+  buffers.buffer_of_direction = {1, 0};
   std::vector<std::uint32_t> order(mesh.triangles.size());
   std::iota(order.begin(), order.end(), 0u);
   buffers.facets = order;
