@@ -37,6 +37,9 @@ using namespace exact_internal;
 
 namespace {
 
+// Beyond this a tree costs more than it saves.
+constexpr double most_tree_growth = 32;
+
 // A place in the order as it is found: a draw id, or a cycle to be filled in.
 constexpr std::uint32_t cycle_mark = 0x80000000u;
 
@@ -61,7 +64,7 @@ struct ExactSorter::State {
 
   std::unique_ptr<PresortedOrder> presort_if_asked() const {
     if (options.from != OrderFrom::presorted) return nullptr;
-    std::optional<Presorted> result = presort(mesh, {.max_growth = options.max_growth});
+    std::optional<Presorted> result = presort(mesh, {.max_growth = std::min(options.max_growth, most_tree_growth)});
     return result ? std::make_unique<PresortedOrder>(std::move(*result)) : nullptr;
   }
 
@@ -135,7 +138,7 @@ void ExactSorter::State::prepare() {
 
 // Builds the tree, and elements in its order, or returns false.
 bool ExactSorter::State::prepare_tree() {
-  tree = build_order_tree(parted, 1, nullptr);
+  tree = build_order_tree(parted, std::min(options.max_growth, most_tree_growth), 1, nullptr);
   if (!tree) return false;
   without_area = degenerate_facets(parted);
   statistics.tree_nodes = tree->nodes.size();

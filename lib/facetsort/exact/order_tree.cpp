@@ -18,9 +18,6 @@ namespace {
 // Subtrees are grown in parallel; there are about `most_subtrees`, each of `fewest_parts` or more but in small meshes.
 constexpr std::size_t most_subtrees = 64, fewest_parts = 2048;
 
-// Cuts beyond which a tree costs more than it saves.
-constexpr std::size_t most_cuts_per_part = 8;
-
 // Planes tried at a node, for each unit of effort.
 constexpr std::size_t facet_planes_tried = 20, edge_planes_tried = 100, moves_tried = 100;
 
@@ -421,15 +418,16 @@ std::optional<OrderTree> build_order_tree(Points& points, PartList& pieces, std:
   return tree;
 }
 
-std::optional<OrderTree> build_order_tree(PartedMesh& parted, std::size_t effort, PresortProgress* progress) {
+std::optional<OrderTree> build_order_tree(PartedMesh& parted, double max_growth, std::size_t effort,
+                                          PresortProgress* progress) {
   if (parted.uncut_pairs > 0) return std::nullopt;
-  std::vector<std::uint32_t> with_area = parts_to_draw(parted.pieces, parted.degenerate.size());
-  std::erase_if(with_area,
-                [&](std::uint32_t part) { return part < parted.degenerate.size() && parted.degenerate[part]; });
+  const std::size_t facets = parted.degenerate.size();
+  std::vector<std::uint32_t> with_area = parts_to_draw(parted.pieces, facets);
+  std::erase_if(with_area, [&](std::uint32_t part) { return part < facets && parted.degenerate[part]; });
   // A cut makes two parts of one and two corners that neighbours take part in: four triangles at most.
-  const std::size_t most = parted.most_triangles, allowed = most > parted.triangles ? (most - parted.triangles) / 4 : 0;
-  return build_order_tree(parted.points, parted.pieces, with_area,
-                          {std::min(allowed, most_cuts_per_part * with_area.size()), effort, progress});
+  const std::size_t most = most_triangles_of(facets, max_growth);
+  const std::size_t allowed = most > parted.triangles ? (most - parted.triangles) / 4 : 0;
+  return build_order_tree(parted.points, parted.pieces, with_area, {allowed, effort, progress});
 }
 
 }  // namespace facetsort::exact_internal

@@ -66,8 +66,9 @@ struct TreeOptions {
 std::optional<OrderTree> build_order_tree(Points& points, PartList& pieces, std::span<const std::uint32_t> parts,
                                           const TreeOptions& options);
 
-// The same over all parts with area of a mesh. Nothing also where some of its facets still cross, or where the tree
-// would make too many triangles.
-std::optional<OrderTree> build_order_tree(PartedMesh& parted, std::size_t effort, PresortProgress* progress);
+// The same over all parts with area of a mesh. Nothing also where some of its facets still cross, or where the triangles
+// out over facets in would be more than `max_growth`.
+std::optional<OrderTree> build_order_tree(PartedMesh& parted, double max_growth, std::size_t effort,
+                                          PresortProgress* progress);
 
 }  // namespace facetsort::exact_internal

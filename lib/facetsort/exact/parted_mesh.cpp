@@ -91,11 +91,6 @@ std::vector<unsigned char> find_facing_away(const MeshView& mesh, const std::vec
   return away;
 }
 
-std::size_t most_triangles_of(const MeshView& mesh, double max_growth) {
-  const double most = max_growth * static_cast<double>(mesh.facet_count());
-  return most < 1e18 ? static_cast<std::size_t>(most) : std::size_t{1} << 60;
-}
-
 PointSpace point_space(const MeshView& mesh, const std::vector<unsigned char>& degenerate) {
   PointSpace space{mesh, identify_positions(mesh), {}, {}, {}, {}};
   space.plane_of_facet = find_planes(mesh, degenerate);
@@ -110,7 +105,7 @@ PartedMesh::PartedMesh(const MeshView& mesh, double max_growth)
     : degenerate(find_degenerate_facets(mesh)),
       space(point_space(mesh, degenerate)),
       points(space),
-      most_triangles(most_triangles_of(mesh, max_growth)) {
+      most_triangles(most_triangles_of(mesh.facet_count(), max_growth)) {
   PartedFacets parted = part_crossing_facets(points, degenerate, most_triangles);
   pieces = std::move(parted.pieces);
   crossing_pairs = parted.crossing_pairs;
@@ -123,6 +118,11 @@ std::size_t PartedMesh::memory_bytes() const {
   return points.memory_bytes() + pieces.memory_bytes() +
          bytes_of(space.position_of_vertex, space.plane_of_facet, space.faces_away, space.around_begin, space.around,
                   degenerate);
+}
+
+std::size_t most_triangles_of(std::size_t facets, double max_growth) {
+  const double most = max_growth * static_cast<double>(facets);
+  return most < 1e18 ? static_cast<std::size_t>(most) : std::size_t{1} << 60;
 }
 
 std::vector<std::uint32_t> degenerate_facets(const PartedMesh& parted) {

@@ -29,6 +29,9 @@ struct PartedMesh {
   std::size_t most_triangles = 0;  // that they may make
 };
 
+// Of so many facets.
+std::size_t most_triangles_of(std::size_t facets, double max_growth);
+
 // Draw ids of the facets without area.
 std::vector<std::uint32_t> degenerate_facets(const PartedMesh& parted);
 

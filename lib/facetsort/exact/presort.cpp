@@ -104,7 +104,7 @@ std::optional<Presorted> presort(const MeshView& mesh, const PresortOptions& opt
 
   std::vector<std::uint32_t> drawn = degenerate_facets(parted);
   {
-    const std::optional<OrderTree> tree = build_order_tree(parted, options.effort, progress);
+    const std::optional<OrderTree> tree = build_order_tree(parted, options.max_growth, options.effort, progress);
     if (!tree) return std::nullopt;
     statistics.tree_cuts = tree->halvings.size();
     data.nodes = std::move(Preorder(*tree, parted.points, drawn).nodes);
