@@ -70,7 +70,7 @@ TEST_F(CommandLine, TellsBadUsageInOneLine) {
     Arguments arguments;
     const char* said;
   } cases[] = {
-      {{}, "inspect, order, blend, check, compare, stability"},
+      {{}, "inspect, order, presort, blend, check, compare, stability"},
       {{"frobnicate"}, "frobnicate"},
       {order, "--eye"},
       {with(order, {"--eye", "1,2"}), "--eye: '1,2'"},
