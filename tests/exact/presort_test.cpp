@@ -75,7 +75,7 @@ void expect_vertices_in_their_facets(const Mesh& mesh, const PresortedData& data
 
 TEST(Presort, IsSoundAndKeepsAreas) {
   for (const Mesh& mesh :
-       {shapes::torus_knot(2000), shapes::interpenetrating(2), shapes::slab_cycle(5), shapes::triangle_cycle(4),
+       {shapes::torus_knot(800), shapes::interpenetrating(2), shapes::slab_cycle(5), shapes::triangle_cycle(4),
         shapes::soup(20, 3), shapes::woven_mat(4), shapes::coplanar(40, 5), shapes::duplicated_grid(3, 3),
         shapes::box(), shapes::nested_shells(3, 0.01f, 1)}) {
     const std::optional<Presorted> presorted = presort(mesh.view());
@@ -141,7 +141,7 @@ TEST(Presort, KeepsColours) {
 }
 
 TEST(Presort, IsTheSameForAnyThreadCountAndInstructionSet) {
-  for (const Mesh& mesh : {shapes::torus_knot(9000), load("teapot_1k")}) {
+  for (const Mesh& mesh : {shapes::torus_knot(3000), load("teapot_1k")}) {
     const std::string expected = file_of(presort(mesh.view())->data);
     for (const int threads : {1, 2, 3, 8}) {
       with_threads(threads, [&] { EXPECT_TRUE(file_of(presort(mesh.view())->data) == expected) << threads; });
