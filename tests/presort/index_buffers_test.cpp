@@ -139,7 +139,7 @@ TEST(IndexBuffers, OneIsNotEnoughWithoutCulling) {
 }
 
 TEST(IndexBuffers, AreAsFewAsTheErrorAllows) {
-  const Mesh mesh = load("hand_2k");
+  const Mesh mesh = shapes::torus_knot(400);
   const IndexBuffers most = make_index_buffers(mesh.view(), {.most_buffers = 8});
   const double error = 2 * most.mean_inverted_rate;
   const IndexBuffers enough = make_index_buffers(mesh.view(), {.most_buffers = 8, .max_error = error});
@@ -151,7 +151,7 @@ TEST(IndexBuffers, AreAsFewAsTheErrorAllows) {
 }
 
 TEST(IndexBuffers, AreTheMostAllowedWhereTheErrorIsOutOfReach) {
-  const Mesh mesh = load("hand_2k");
+  const Mesh mesh = shapes::torus_knot(400);
   const IndexBuffers buffers = make_index_buffers(mesh.view(), {.most_buffers = 3, .max_error = 0.0});
   expect_sound(mesh.view(), buffers, 3);
   EXPECT_EQ(buffers.buffer_count, 3u);

@@ -18,7 +18,7 @@ namespace {
 // share one, what is seen has to do.
 constexpr std::size_t most_around_a_corner = 24;
 // Pairs farther from each other along a ray than so many times the size of both are right in any order near to depth.
-constexpr double most_sizes = 4;
+constexpr double most_sizes = 1.5;
 
 using PairKey = std::uint64_t;
 

@@ -26,7 +26,7 @@ using namespace presort_internal;
 
 constexpr float eye_distance = 3;  // in bounding radii
 constexpr double gap_radii = 1e-6;
-constexpr int most_views = 1000, fewest_views = 100;
+constexpr int most_views = 2000, fewest_views = 100;
 constexpr int sampled_views = 16;
 constexpr std::size_t most_seen_pairs = std::size_t{1} << 25;  // over all views
 constexpr int pair_views = 256;                                // in which pairs are looked for
@@ -34,7 +34,7 @@ constexpr int measured_views = 100;
 constexpr std::size_t views_at_once = 32;
 
 // Shares of the work, about as they come out on meshes of some thousand facets.
-constexpr double done_with_pairs = 0.15, done_with_views = 0.6, done_with_grouping = 0.65, done_with_orders = 0.85;
+constexpr double done_with_pairs = 0.15, done_with_views = 0.5, done_with_groups = 0.8, done_with_orders = 0.85;
 
 class Maker {
  public:
@@ -47,21 +47,19 @@ class Maker {
 
   IndexBuffers make() {
     if (!find_pairs_of_views() || !see_pairs()) return {};
-    const ViewGrouper grouper(seen_);
-    if (!tell(done_with_grouping)) return {};
     const std::size_t most = std::min(options_.most_buffers, seen_.count());
-    if (!options_.max_error) return made_and_measured(grouper, most);
+    if (!options_.max_error) return made_and_measured(most);
     // The least number that is good enough, as if more were never worse.
     std::size_t too_few = 0, enough = 1;
-    IndexBuffers best = made_and_measured(grouper, enough);
+    IndexBuffers best = made_and_measured(enough);
     while (is_bad(best) && enough < most) {
       too_few = enough;
       enough = std::min(2 * enough, most);
-      best = made_and_measured(grouper, enough);
+      best = made_and_measured(enough);
     }
     while (!stopped_ && !is_bad(best) && enough - too_few > 1) {
       const std::size_t middle = (too_few + enough) / 2;
-      IndexBuffers tried = made_and_measured(grouper, middle);
+      IndexBuffers tried = made_and_measured(middle);
       if (is_bad(tried)) {
         too_few = middle;
       } else {
@@ -158,8 +156,9 @@ class Maker {
     return order;
   }
 
-  IndexBuffers made_and_measured(const ViewGrouper& grouper, std::size_t count) {
-    std::vector<std::uint32_t> groups = grouper.groups(count);
+  IndexBuffers made_and_measured(std::size_t count) {
+    std::vector<std::uint32_t> groups = group_views(seen_, count);
+    if (!tell(done_with_groups)) return {};
     // Groups that nobody is left in get no buffer.
     std::vector<std::uint32_t> used = groups;
     std::sort(used.begin(), used.end());

@@ -33,8 +33,9 @@ struct IndexBuffersOptions {
 // directions between those that the orders were made for, at the same distance: a pixel is inverted where some facet
 // is drawn after one nearer by more than 1e-6 radii.
 //
-// Needs memory for up to 32 million pairs of facets as seen from some view (0.3 GiB), and as much again. Parallel in
-// the caller's task arena; the result is the same for any thread count. Without any buffer where `progress` stopped it.
+// Takes seconds for some thousand facets, a minute or so for 70,000, and up to 2 GiB: where views have many pairs of
+// facets to look at, fewer views are taken. Parallel in the caller's task arena; the result is the same for any thread
+// count. Without any buffer where `progress` stopped it.
 // Precondition: `mesh` is empty or validate(mesh) is ok.
 IndexBuffers make_index_buffers(const MeshView& mesh, const IndexBuffersOptions& options = {});
 

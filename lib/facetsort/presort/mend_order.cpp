@@ -10,7 +10,9 @@
 namespace facetsort::presort_internal {
 namespace {
 
+// Wishes that would take longer to grant are given up as if they closed a cycle.
 constexpr std::size_t most_visited = 20000;
+constexpr int most_passes = 4;
 
 struct Neighbour {
   std::uint32_t facet;
@@ -191,7 +193,7 @@ void mend_order(std::span<const Wish> wishes, std::vector<std::uint32_t>& order)
     if (!acyclic.add(wish)) given_up.push_back(wish);
   }
   for (const Wish& wish : given_up) acyclic.link(wish);
-  for (int pass = 0; pass < 4; ++pass) {
+  for (int pass = 0; pass < most_passes; ++pass) {
     if (acyclic.improve(given_up) == 0) break;
     given_up.clear();
     for (const Wish& wish : by_weight) {

@@ -20,37 +20,14 @@ struct SeenViews {
   std::size_t count() const { return directions.size(); }
 };
 
-// By how much area more the second of a pair is behind.
-struct Vote {
-  std::uint32_t pair;
-  std::int64_t area;
-};
-using Votes = std::vector<Vote>;  // ascending by pair
-
-// Finds groups of views such that little area is asked for both ways round within one: of that one half or the other is
-// drawn wrongly, whatever the order; nearly all else can be drawn rightly.
-class ViewGrouper {
- public:
-  explicit ViewGrouper(const SeenViews& views);
-
-  // The group of each view, 0 to count - 1; some may have none. Parallel in the caller's task arena.
-  std::vector<std::uint32_t> groups(std::size_t count) const;
-
- private:
-  struct Join {
-    std::uint32_t kept, gone;
-  };
-  void join_cells(std::vector<Votes> votes);
-  std::vector<std::uint32_t> joined_groups(std::size_t count) const;
-
-  SeenViews views_;                     // with the pairs that may be asked for both ways round, numbered anew
-  SeenViews cells_;                     // what neighbouring views see together
-  std::vector<std::uint32_t> cell_of_;  // of each view
-  std::vector<Join> joins_;             // of cells
-};
-
 // For each pair, by how much area more the views of a group ask for the second to be behind.
 std::vector<std::int64_t> group_votes(const SeenViews& views, std::span<const std::uint32_t> groups,
                                       std::uint32_t group);
+
+// The group of each view, 0 to count - 1, such that little area is asked for both ways round within one: of that, one
+// half or the other is drawn wrongly whatever the order, and nearly all else can be drawn rightly. Some groups may have
+// no view. Parallel in the caller's task arena.
+// Preconditions: there are views; count >= 1.
+std::vector<std::uint32_t> group_views(const SeenViews& views, std::size_t count);
 
 }  // namespace facetsort::presort_internal
