@@ -236,8 +236,8 @@ Facts outcome_facts(const Outcome& outcome) {
     facts.emplace_back("buffers", count_text(buffers.buffer_count) + " of " + count_text(s.triangles) +
                                       " triangles for " + count_text(buffers.directions.size()) + " directions" +
                                       (buffers.needs_culling ? ", drawn without back faces" : ""));
-    facts.emplace_back("inverted", percent_text(buffers.mean_inverted_rate) + " of the pixels in the mean, " +
-                                       percent_text(buffers.worst_inverted_rate) + " in the worst view");
+    facts.emplace_back("inverted", percent_text(buffers.mean_inverted_rate) + " % of the pixels in the mean, " +
+                                       percent_text(buffers.worst_inverted_rate) + " % in the worst view");
   } else {
     facts.emplace_back("crossing", count_text(s.crossing_pairs) + " pairs of facets, parted by " +
                                        count_text(s.crossing_cuts) + " cuts");

@@ -79,6 +79,28 @@ TEST(PresortVerb, FillsAFolderWithTheSameBytesForAnyThreadCount) {
   EXPECT_TRUE(files[0] == files[1] && files[0] == files[2]);
 }
 
+TEST(PresortVerb, MakesIndexBuffersAsFsortAndAsGltf) {
+  const TemporaryFolder folder;
+  const std::string mesh = write_mesh(folder, "mesh.ply", shapes::icosphere(1));
+  const std::string file = (folder.path() / "mesh.fsort").string(), gltf = (folder.path() / "mesh.glb").string();
+  for (const std::string& output : {file, gltf}) {
+    const Finished made = run_program({"presort", mesh, "--buffers", "2", "-o", output, "--json"});
+    ASSERT_EQ(made.status, 0) << made.error;
+    const Json document = Json::parse(made.output)[0];
+    EXPECT_EQ(document["triangles_out"], document["facets"]);
+    EXPECT_GE(document["worst_inverted_rate"], document["mean_inverted_rate"]);
+  }
+  const Result<PresortedMesh> presorted = PresortedMesh::open(file);
+  ASSERT_TRUE(presorted.ok()) << presorted.status().message;
+  ASSERT_NE(presorted.value().index_buffers(), nullptr);
+  EXPECT_EQ(presorted.value().index_buffers()->buffer_count, 2u);
+  EXPECT_EQ(file_bytes(gltf).substr(0, 4), "glTF");
+  const std::string picture = (folder.path() / "picture.png").string();
+  const Finished drawn = run_program(
+      with_view({"blend", file, "--strategy", "presorted_buffers:2", "--size", "32", "-o", picture}));
+  EXPECT_EQ(drawn.status, 0) << drawn.error;
+}
+
 TEST(PresortVerb, RefusesWhatItCannotDoInOneLineAndWritesNothing) {
   const TemporaryFolder folder;
   const std::string mesh = write_mesh(folder, "mesh.ply", shapes::slab_cycle(4));
@@ -96,6 +118,8 @@ TEST(PresortVerb, RefusesWhatItCannotDoInOneLineAndWritesNothing) {
   expect_refused({"presort", mesh + ".missing", "-o", presorted}, "missing");
   expect_refused({"presort", mesh, again, "-o", (folder.path() / "out").string()}, "mesh.fsort");
   expect_refused({"presort", mesh, "-o", presorted, "--effort", "0"}, "--effort");
+  expect_refused({"presort", mesh, "-o", presorted, "--cut"}, "--cut");
+  expect_refused({"presort", mesh, "-o", presorted, "--max-error", "2"}, "--max-error");
   folder.write("damaged.fsort", "facetsort");
   expect_refused({"inspect", (folder.path() / "damaged.fsort").string()}, "damaged.fsort");
 }
