@@ -16,7 +16,7 @@ namespace facetsort::exact_internal {
 namespace {
 
 // Subtrees are grown in parallel; there are about `most_subtrees`, each of `fewest_parts` or more but in small meshes.
-constexpr std::size_t most_subtrees = 64, fewest_parts = 2048;
+constexpr std::size_t most_subtrees = 16, fewest_parts = 512;
 
 // Planes tried at a node, for each unit of effort.
 constexpr std::size_t facet_planes_tried = 20, edge_planes_tried = 100, moves_tried = 100;
