@@ -1,7 +1,7 @@
 // A pair of facets asks for one order in some views and for the other in others. Views are grouped so that few pairs
-// ask for both within a group; each group gets the order that most of its views ask for, pair by pair. The idea of a
-// few view-independent index buffers and of merging the directions that they serve is that of In-Depth Buffers (Rossi,
-// Durupinar, Sayer and others 2018) and Depth-Presorted Triangle Lists (Chen, Sander, Nehab, Yang and Hu 2012).
+// ask for both within a group; each group gets the order that most of its views ask for, pair by pair. Fixed orders for
+// ranges of directions are known from "Depth-Presorted Triangle Lists" (2012), and index buffers that directions share
+// from "In-Depth Buffers" (2018).
 #include "facetsort/presort/index_buffers.h"
 
 #include <algorithm>
