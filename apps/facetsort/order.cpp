@@ -102,11 +102,15 @@ double growth(const ExactStatistics& statistics, std::size_t facets) {
   return static_cast<double>(statistics.triangles) / static_cast<double>(facets);
 }
 
-// In the manner of a solver's log.
-void add_exact_facts(const ExactStatistics& s, std::size_t facets, double max_growth, Facts& facts) {
-  facts.emplace_back("crossing", count_text(s.crossing_pairs) + " pairs of facets, parted by " +
-                                     count_text(s.prepared_cuts) + " cuts once a mesh");
-  if (s.tree_nodes > 0) {
+// In the manner of a solver's log. A file does not tell how its tree came to be.
+void add_exact_facts(const ExactStatistics& s, std::size_t facets, double max_growth, bool from_file, Facts& facts) {
+  if (!from_file) {
+    facts.emplace_back("crossing", count_text(s.crossing_pairs) + " pairs of facets, parted by " +
+                                       count_text(s.prepared_cuts) + " cuts once a mesh");
+  }
+  if (from_file) {
+    facts.emplace_back("tree", count_text(s.tree_nodes) + " planes");
+  } else if (s.tree_nodes > 0) {
     facts.emplace_back("tree", count_text(s.tree_nodes) + " planes, " + count_text(s.tree_cuts) +
                                    " cuts once a mesh, " + count_text(s.rejoined_cuts) + " of them rejoined; " +
                                    count_text(s.predicate_fallbacks) + " decided by integers");
@@ -137,9 +141,10 @@ void order_exactly(const OrderOptions& options, const CommonOptions& common, con
   exact.max_growth = options.max_growth.value_or(exact.max_growth);
   std::optional<ExactSorter> sorter;
   OrderCost cost;
+  const PresortedView* tree = options.method == Method::presorted ? input.presorted_input().tree : nullptr;
+  const bool from_file = tree != nullptr;
   const auto prepare = [&] {
-    const PresortedView* tree = input.presorted_input().tree;
-    if (options.method == Method::presorted && tree != nullptr) {
+    if (from_file) {
       sorter.emplace(*tree);
     } else {
       sorter.emplace(input.mesh.view(), exact);
@@ -160,7 +165,7 @@ void order_exactly(const OrderOptions& options, const CommonOptions& common, con
     print_json(document);
   } else {
     Facts facts = cost_facts(options, facets, cost);
-    add_exact_facts(statistics, facets, exact.max_growth, facts);
+    add_exact_facts(statistics, facets, exact.max_growth, from_file, facts);
     print_facts(facts);
   }
 }
