@@ -138,7 +138,7 @@ TEST(IndexBuffers, OneIsNotEnoughWithoutCulling) {
 }
 
 TEST(IndexBuffers, AreAsFewAsTheErrorAllows) {
-  const Mesh mesh = shapes::torus_knot(400);
+  const Mesh mesh = shapes::torus_knot(600);
   const IndexBuffers most = make_index_buffers(mesh.view(), {.most_buffers = 8});
   const double error = 2 * most.mean_inverted_rate;
   const IndexBuffers enough = make_index_buffers(mesh.view(), {.most_buffers = 8, .max_error = error});
@@ -150,7 +150,7 @@ TEST(IndexBuffers, AreAsFewAsTheErrorAllows) {
 }
 
 TEST(IndexBuffers, AreTheMostAllowedWhereTheErrorIsOutOfReach) {
-  const Mesh mesh = shapes::torus_knot(400);
+  const Mesh mesh = shapes::torus_knot(600);
   const IndexBuffers buffers = make_index_buffers(mesh.view(), {.most_buffers = 3, .max_error = 0.0});
   expect_sound(mesh.view(), buffers, 3);
   EXPECT_EQ(buffers.buffer_count, 3u);
