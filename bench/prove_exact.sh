@@ -10,7 +10,7 @@ set -euo pipefail
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 program=$root/build/release/apps/facetsort/facetsort
 method=exact
-if [[ ${1:-} == exact* ]]; then
+if [[ ${1:-} == exact* || ${1:-} == presorted ]]; then
   method=$1
   shift
 fi
