@@ -2,6 +2,7 @@
 #pragma once
 
 // clang-format off: sorting would lose the pipeline order.
+#include "facetsort/base/memory.h"
 #include "facetsort/base/parallel.h"
 #include "facetsort/base/status.h"
 #include "facetsort/base/file_bytes.h"

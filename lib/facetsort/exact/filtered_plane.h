@@ -6,6 +6,7 @@
 #include <glm/glm.hpp>
 
 #include "facetsort/exact/points.h"
+#include "facetsort/exact/predicates.h"
 
 namespace facetsort::exact_internal {
 
@@ -33,6 +34,13 @@ inline int filtered_side(const FilteredPlane& plane, const Eye& eye) {
   const glm::dvec3 d = eye.w == 0 ? glm::dvec3(eye) : glm::dvec3(eye) - glm::dvec3(plane.corner);
   const double value = glm::dot(plane.normal, d);
   return std::abs(value) > plane.error * sum_of_magnitudes(d) ? (value > 0 ? 1 : -1) : 0;
+}
+
+// The same, exactly: 0 where the eye is in the plane of a, b, c, which `plane` was made of.
+inline int eye_side(const FilteredPlane& plane, const glm::vec3& a, const glm::vec3& b, const glm::vec3& c,
+                    const Eye& eye) {
+  const int side = filtered_side(plane, eye);
+  return side != 0 ? side : side_of_plane(a, b, c, eye);
 }
 
 }  // namespace facetsort::exact_internal

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "facetsort/exact/memory.h"
+#include "facetsort/base/memory.h"
 
 namespace facetsort::exact_internal {
 

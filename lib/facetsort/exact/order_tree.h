@@ -8,7 +8,7 @@
 #include <span>
 #include <vector>
 
-#include "facetsort/exact/memory.h"
+#include "facetsort/base/memory.h"
 #include "facetsort/exact/parted_mesh.h"
 #include "facetsort/exact/parts.h"
 #include "facetsort/exact/points.h"

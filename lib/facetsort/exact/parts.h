@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "facetsort/exact/memory.h"
+#include "facetsort/base/memory.h"
 #include "facetsort/exact/points.h"
 #include "facetsort/facets/pieces.h"
 

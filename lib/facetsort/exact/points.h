@@ -14,7 +14,7 @@
 #include <span>
 #include <vector>
 
-#include "facetsort/exact/memory.h"
+#include "facetsort/base/memory.h"
 #include "facetsort/facets/pieces.h"
 #include "facetsort/mesh/mesh_view.h"
 

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "facetsort/exact/memory.h"
+#include "facetsort/base/memory.h"
 
 namespace facetsort::exact_internal {
 namespace {

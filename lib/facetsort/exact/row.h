@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "facetsort/exact/memory.h"
+#include "facetsort/base/memory.h"
 #include "facetsort/exact/pair_kernels.h"
 #include "facetsort/exact/screen.h"
 

@@ -30,8 +30,7 @@ double magnitude(double x, double y) {
 }
 
 int eye_side(const MeshView& mesh, const FilteredPlane& plane, FacetId facet, const Eye& eye) {
-  const int side = filtered_side(plane, eye);
-  return side != 0 ? side : side_of_plane(mesh.corner(facet, 0), mesh.corner(facet, 1), mesh.corner(facet, 2), eye);
+  return eye_side(plane, mesh.corner(facet, 0), mesh.corner(facet, 1), mesh.corner(facet, 2), eye);
 }
 
 // A unit vector.

@@ -42,13 +42,9 @@ void TreeWalk::find_sides(const Eye& eye) {
   parallel_ranges(planes_.size(), nodes_per_task, [&](std::size_t begin, std::size_t end) {
     const PointSpace& space = points_->space();
     for (std::size_t i = begin; i < end; ++i) {
-      int side = filtered_side(planes_[i], eye);
-      if (side == 0) {
-        const CutPlane plane = points_->plane(tree_->nodes[i].plane);
-        side =
-            side_of_plane(space.position(plane.first), space.position(plane.second), space.position(plane.third), eye);
-      }
-      sides_[i] = static_cast<std::int8_t>(side);
+      const CutPlane plane = points_->plane(tree_->nodes[i].plane);
+      sides_[i] = static_cast<std::int8_t>(eye_side(planes_[i], space.position(plane.first),
+                                                    space.position(plane.second), space.position(plane.third), eye));
     }
   });
 }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "facetsort/exact/filtered_plane.h"
-#include "facetsort/exact/memory.h"
+#include "facetsort/base/memory.h"
 #include "facetsort/exact/order_tree.h"
 #include "facetsort/exact/points.h"
 

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "facetsort/base/memory.h"
 #include "facetsort/order/eye_side.h"
 
 namespace facetsort::order_internal {
@@ -258,13 +259,8 @@ class BlockMaker {
   PresortedBlocks result_;
 };
 
-template <typename... Vectors>
-std::size_t bytes(const Vectors&... vectors) {
-  return (std::size_t{0} + ... + (vectors.capacity() * sizeof(typename Vectors::value_type)));
-}
-
 std::size_t bytes_of_planes(const PlaneArrays& planes) {
-  return bytes(planes.x, planes.y, planes.z, planes.offset, planes.node);
+  return bytes_of(planes.x, planes.y, planes.z, planes.offset, planes.node);
 }
 
 }  // namespace
@@ -283,7 +279,7 @@ void PlaneArrays::pad() {
 }
 
 std::size_t PresortedBlocks::memory_bytes() const {
-  return bytes(blocks, branches, spots, facings, top) + bytes_of_planes(planes) + bytes_of_planes(top_planes);
+  return bytes_of(blocks, branches, spots, facings, top) + bytes_of_planes(planes) + bytes_of_planes(top_planes);
 }
 
 FrameEye frame_eye(const PlaneFrame& frame, const glm::vec4& eye) {

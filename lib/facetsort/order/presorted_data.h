@@ -93,14 +93,20 @@ struct IndexBuffers {
   }
 };
 
+// Which of unit vectors has the largest dot product with `direction` (any length > 0), the first of those that have.
+// Precondition: there are some.
+inline std::size_t nearest_direction(std::span<const glm::vec3> directions, const glm::vec3& direction) {
+  std::size_t best = 0;
+  for (std::size_t i = 1; i < directions.size(); ++i) {
+    if (glm::dot(directions[i], direction) > glm::dot(directions[best], direction)) best = i;
+  }
+  return best;
+}
+
 // The buffer for a viewer in this direction (any length > 0) from the centre of the mesh's box.
 // Precondition: there are directions.
 inline std::size_t nearest_buffer(const IndexBuffers& buffers, const glm::vec3& to_viewer) {
-  std::size_t best = 0;
-  for (std::size_t i = 1; i < buffers.directions.size(); ++i) {
-    if (glm::dot(buffers.directions[i], to_viewer) > glm::dot(buffers.directions[best], to_viewer)) best = i;
-  }
-  return buffers.buffer_of_direction[best];
+  return buffers.buffer_of_direction[nearest_direction(buffers.directions, to_viewer)];
 }
 
 }  // namespace facetsort

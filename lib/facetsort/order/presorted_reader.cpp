@@ -9,10 +9,10 @@
 #include <cassert>
 #include <cstring>
 #include <optional>
-#include <type_traits>
 #include <utility>
 #include <vector>
 
+#include "facetsort/base/memory.h"
 #include "facetsort/base/parallel.h"
 #include "facetsort/order/presorted_blocks.h"
 #include "facetsort/order/presorted_kernels.h"
@@ -238,10 +238,7 @@ void PresortedReader::forget_eye() {
 
 std::size_t PresortedReader::memory_bytes() const {
   const State& state = *state_;
-  const auto bytes = [](const auto&... vectors) {
-    return (std::size_t{0} + ... + (vectors.capacity() * sizeof(typename std::decay_t<decltype(vectors)>::value_type)));
-  };
-  return state.blocks.memory_bytes() + bytes(state.block_states, state.kept, state.orders, state.top_sides,
+  return state.blocks.memory_bytes() + bytes_of(state.block_states, state.kept, state.orders, state.top_sides,
                                              state.last_top_sides, state.places, state.block_at, state.offsets,
                                              state.facets, state.draw_ids);
 }

@@ -220,9 +220,7 @@ double inverted_rate(const MeshView& mesh, const View& view, const IndexBuffers&
   FragmentLists lists = collect_fragments(mesh, view);
   if (buffers.needs_culling) lists = without_back_faces(mesh, view, lists);
   const Box box = facet_bounds(mesh);
-  const std::size_t buffer = nearest_buffer(buffers, view.eye - box.centre());
-  const std::span<const std::uint32_t> order =
-      std::span(buffers.facets).subspan(buffer * mesh.facet_count(), mesh.facet_count());
+  const std::span<const std::uint32_t> order = buffers.buffer(nearest_buffer(buffers, view.eye - box.centre()));
   std::vector<std::uint32_t> ranks(order.size());
   for (std::size_t i = 0; i < order.size(); ++i) ranks[order[i]] = static_cast<std::uint32_t>(i);
   const double radius = box.radius() > 0 ? static_cast<double>(box.radius()) : 1;

@@ -12,6 +12,7 @@
 
 #include "facetsort/base/parallel.h"
 #include "facetsort/blend/view.h"
+#include "facetsort/order/presorted_data.h"
 
 namespace facetsort::presort_internal {
 namespace {
@@ -30,14 +31,6 @@ constexpr int cone_count = 60;
 
 double signed_area(const SeenPair& pair) {
   return pair.second_is_behind ? static_cast<double>(pair.area) : -static_cast<double>(pair.area);
-}
-
-std::uint32_t nearest(std::span<const glm::vec3> directions, const glm::vec3& direction) {
-  std::size_t best = 0;
-  for (std::size_t i = 1; i < directions.size(); ++i) {
-    if (glm::dot(directions[i], direction) > glm::dot(directions[best], direction)) best = i;
-  }
-  return static_cast<std::uint32_t>(best);
 }
 
 using Neighbours = std::array<std::uint32_t, neighbour_count>;
@@ -135,7 +128,7 @@ class GroupSearch {
     }
     middles[dissolved] = views_->directions[random() % views_->count()];
     for (std::size_t view = 0; view < views_->count(); ++view) {
-      const std::uint32_t group = nearest(middles, views_->directions[view]);
+      const auto group = static_cast<std::uint32_t>(nearest_direction(middles, views_->directions[view]));
       if (groups_[view] == dissolved || group == dissolved) move(view, group);
     }
   }
@@ -206,7 +199,9 @@ std::vector<std::uint32_t> random_groups(const SeenViews& views, std::size_t cou
   std::vector<glm::vec3> middles(count);
   for (glm::vec3& middle : middles) middle = views.directions[random() % views.count()];
   std::vector<std::uint32_t> groups;
-  for (const glm::vec3& direction : views.directions) groups.push_back(nearest(middles, direction));
+  for (const glm::vec3& direction : views.directions) {
+    groups.push_back(static_cast<std::uint32_t>(nearest_direction(middles, direction)));
+  }
   return groups;
 }
 
@@ -255,7 +250,7 @@ std::vector<std::uint32_t> group_views(const SeenViews& views, std::size_t count
   const auto best = std::max_element(agreements.begin(), agreements.end()) - agreements.begin();
   std::vector<std::uint32_t> groups;
   for (const glm::vec3& direction : all.directions) {
-    groups.push_back(found[static_cast<std::size_t>(best)][nearest(few.directions, direction)]);
+    groups.push_back(found[static_cast<std::size_t>(best)][nearest_direction(few.directions, direction)]);
   }
   const std::vector<Neighbours> all_neighbours = find_neighbours(all.directions);
   GroupSearch search(all, all_neighbours, count, std::move(groups));
