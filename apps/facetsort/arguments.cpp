@@ -48,7 +48,7 @@ PictureSize parse_size(const std::string& text) {
 std::string method_names() {
   std::string names;
   for (const Method method : all_methods()) names.append(names.empty() ? "" : ", ").append(method_name(method));
-  return names + ", presorted_buffers:K";
+  return names;
 }
 
 constexpr std::string_view rgba32f_name = "rgba32f", rgba8_name = "rgba8";

@@ -27,7 +27,8 @@ struct InputMesh {
   }
 };
 
-// A mesh, or the mesh in a presorted one. Throws Failure where the file is neither, or one too large for float32 to measure.
+// A mesh, or the mesh in a presorted one. Throws Failure where the file is neither, or one too large for float32 to
+// measure.
 InputMesh read_input_mesh(const std::filesystem::path& path);
 
 }  // namespace facetsort

@@ -78,14 +78,9 @@ class Watch {
  private:
   void run(const std::stop_token& stop, const std::string& what, PresortProgress& work) {
     Progress progress(1);
-    double shown = 0;
     while (!stop.stop_requested()) {
       const auto all = static_cast<double>(work.all.load());
-      const double share = all > 0 ? static_cast<double>(work.done.load()) / all : 0;
-      if (share > shown) {
-        progress.add(share - shown);
-        shown = share;
-      }
+      if (all > 0) progress.reach(static_cast<double>(work.done.load()) / all);
       progress.show(what);
       if (interrupted) work.cancelled = true;
       std::unique_lock lock(mutex_);
@@ -140,10 +135,8 @@ IndexBuffers make_buffers(const InputMesh& input, const MeshView& mesh, const Pr
   IndexBuffersOptions buffer_options{.max_error = options.max_error, .with_culling = options.with_culling};
   if (options.buffers > 0) buffer_options.most_buffers = static_cast<std::size_t>(options.buffers);
   Progress progress(1);
-  double shown = 0;
   buffer_options.progress = [&](double share) {
-    progress.add(share - shown);
-    shown = share;
+    progress.reach(share);
     progress.show(input.name);
     return !interrupted;
   };

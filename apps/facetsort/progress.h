@@ -1,6 +1,7 @@
 // How far a long run is, for who watches it.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <string>
 
@@ -18,6 +19,8 @@ class Progress {
 
   void show(const std::string& step);
   void add(double work) { done_ += work; }
+  // So much is done in all; less than before changes nothing.
+  void reach(double work) { done_ = std::max(done_, work); }
 
  private:
   std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
