@@ -6,7 +6,7 @@ cd "$(dirname "${BASH_SOURCE[0]}")/.."
 # shellcheck source=apps/packages.sh
 source apps/packages.sh
 
-install_packages "${facetsort_packages[@]}" clang libclang-rt-14-dev
+install_packages "${facetsort_packages[@]}" clang libclang-rt-14-dev python3
 use_ccache
 
 echo "== building: release, g++"
