@@ -4,16 +4,14 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <random>
 #include <string>
 #include <vector>
 
 #include "benchmarks.h"
 #include "facetsort/base/parallel.h"
-#include "facetsort/blend/view.h"
-#include "facetsort/facets/facets.h"
 #include "facetsort/presort/index_buffers.h"
 #include "subjects.h"
+#include "support/random_views.h"
 #include "thread_counts.h"
 
 namespace facetsort::bench {
@@ -21,21 +19,7 @@ namespace {
 
 constexpr std::size_t buffer_count = 10;
 constexpr std::size_t judged_views = 100;
-
-// From random directions, at 3 bounding radii, 512 x 512; none that the buffers were made for.
-std::vector<View> random_views(const MeshView& mesh) {
-  const Box box = facet_bounds(mesh);
-  std::mt19937 random(1);
-  std::vector<View> views;
-  while (views.size() < judged_views) {
-    glm::vec3 point;
-    for (int axis = 0; axis < 3; ++axis) point[axis] = static_cast<float>(random()) * 0x1p-31f - 1;
-    const float length = glm::length(point);
-    if (length < 0.1f || length > 1) continue;
-    views.push_back(default_view(box, box.centre() + point * (3 * box.radius() / length)));
-  }
-  return views;
-}
+constexpr std::uint32_t seed_of_views = 1;
 
 void make_buffers(benchmark::State& state, const Subject& subject, bool with_culling, int threads) {
   const MeshView mesh = subject.mesh().view();
@@ -45,7 +29,8 @@ void make_buffers(benchmark::State& state, const Subject& subject, bool with_cul
     buffers = arena.execute(
         [&] { return make_index_buffers(mesh, {.most_buffers = buffer_count, .with_culling = with_culling}); });
   }
-  const std::vector<View> views = random_views(mesh);
+  // None that the buffers were made for.
+  const std::vector<View> views = random_views(mesh, judged_views, seed_of_views);
   std::vector<double> rates(views.size());
   parallel_ranges(views.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) rates[i] = inverted_rate(mesh, views[i], buffers);

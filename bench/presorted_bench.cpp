@@ -1,12 +1,14 @@
 #include <benchmark/benchmark.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,8 +17,8 @@
 #include "facetsort/exact/predicates.h"
 #include "facetsort/exact/presort.h"
 #include "facetsort/order/presorted_reader.h"
-#include "facetsort/order/sorter.h"
-#include "sort_subjects.h"
+#include "order/presorted_samples.h"
+#include "sort_bench.h"
 #include "subjects.h"
 #include "thread_counts.h"
 
@@ -39,48 +41,12 @@ class PresortedSubject {
   std::shared_ptr<std::optional<PresortedData>> data_ = std::make_shared<std::optional<PresortedData>>();
 };
 
-// By a stack, node after node: indices in the order that the tree gives.
-std::vector<std::uint32_t> walk(const PresortedView& mesh, const glm::vec4& eye) {
-  std::vector<std::size_t> end{0};  // triangles up to each node's, from those without a node on
-  std::size_t in_nodes = 0, piece = 0;
-  for (const PresortedNode& node : mesh.nodes) in_nodes += node.piece_count;
-  while (piece < mesh.pieces.size() - in_nodes) end.back() += mesh.pieces[piece++].triangle_count;
-  for (const PresortedNode& node : mesh.nodes) {
-    end.push_back(end.back());
-    for (std::uint32_t k = 0; k < node.piece_count; ++k) end.back() += mesh.pieces[piece++].triangle_count;
-  }
-  std::vector<std::uint32_t> indices;
-  const auto draw = [&](std::size_t first, std::size_t last) {
-    for (std::size_t t = first; t < last; ++t) {
-      for (int i = 0; i < 3; ++i) indices.push_back(mesh.triangles[t][i]);
-    }
-  };
-  draw(0, end[0]);
-  struct Visit {
-    std::size_t node;
-    bool beyond_is_drawn;
-  };
-  std::vector<Visit> left;
-  if (!mesh.nodes.empty()) left.push_back({0, false});
-  while (!left.empty()) {
-    const Visit visit = left.back();
-    left.pop_back();
-    if (visit.beyond_is_drawn) {
-      draw(end[visit.node], end[visit.node + 1]);
-      continue;
-    }
-    const PresortedNode& node = mesh.nodes[visit.node];
-    const glm::vec3* p = mesh.mesh.positions.data();
-    const bool in_front = side_of_plane(p[node.plane.x], p[node.plane.y], p[node.plane.z], eye) >= 0;
-    const auto visit_side = [&](bool front) {
-      if ((front ? node.front_nodes : node.back_nodes) == 0) return;
-      left.push_back({visit.node + 1 + (front ? 0 : node.front_nodes), false});
-    };
-    visit_side(in_front);
-    left.push_back({visit.node, true});
-    visit_side(!in_front);
-  }
-  return indices;
+// Node after node, each decided exactly.
+bool is_the_trees_order(const std::vector<std::uint32_t>& indices, const PresortedView& mesh, const glm::vec4& eye) {
+  const std::vector<glm::uvec3> expected = walked_by_sides(
+      mesh,
+      [&](const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) { return side_of_plane(a, b, c, eye) >= 0; });
+  return std::ranges::equal(std::as_bytes(std::span(indices)), std::as_bytes(std::span(expected)));
 }
 
 // A camera that turns by so much a frame.
@@ -105,30 +71,10 @@ void read_orbit(benchmark::State& state, const PresortedSubject& subject, double
       reader.read_indices(eye, indices);
       benchmark::ClobberMemory();
     }
-    if (indices != walk(data.view(), eye)) state.SkipWithError("another order than the tree's");
+    if (!is_the_trees_order(indices, data.view(), eye)) state.SkipWithError("another order than the tree's");
     state.counters["prepared_bytes"] = static_cast<double>(reader.memory_bytes());
   });
   state.counters["triangles"] = static_cast<double>(data.triangles.size());
-  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(mesh.triangles.size()));
-}
-
-// The same from eye to eye by the facet sort, of facets as they are.
-void sort_frames(benchmark::State& state, const Subject& subject, int threads) {
-  const Mesh& mesh = subject.mesh();
-  const std::vector<SortView> views = sort_views(mesh);
-  std::vector<std::uint32_t> indices(3 * mesh.triangles.size());
-  tbb::task_arena arena(threads);
-  arena.execute([&] {
-    Sorter sorter(mesh.view());
-    sorter.sort_indices(views.back(), mesh.triangles, indices);
-    std::size_t frame = 0;
-    for (auto _ : state) {
-      sorter.sort_indices(views[frame++ % views.size()], mesh.triangles, indices);
-      benchmark::ClobberMemory();
-    }
-    const SortView& last = views[frame == 0 ? views.size() - 1 : (frame - 1) % views.size()];
-    if (!has_corners_in_order(indices, mesh.triangles, sorter.sort(last))) state.SkipWithError("not in order");
-  });
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(mesh.triangles.size()));
 }
 
@@ -142,8 +88,9 @@ void register_presorted_benchmarks() {
   std::vector<Subject> subjects = shipped_meshes();
   for (const Subject& knot : knots(10000, 1000000)) subjects.push_back(knot);
   for (const Subject& subject : subjects) {
-    register_per_thread_count("read_presorted_facet_sort/" + subject.name(),
-                              [=](benchmark::State& state, int threads) { sort_frames(state, subject, threads); });
+    register_per_thread_count("read_presorted_facet_sort/" + subject.name(), [=](benchmark::State& state, int threads) {
+      sort_index_buffers(state, subject, {}, threads);
+    });
     const PresortedSubject presorted(subject);
     for (const Orbit& orbit : {Orbit{"read_presorted", 67}, Orbit{"read_presorted_orbit_2", 2},
                                Orbit{"read_presorted_orbit_0.5", 0.5}, Orbit{"read_presorted_orbit_0.1", 0.1}}) {

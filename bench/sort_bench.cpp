@@ -1,3 +1,5 @@
+#include "sort_bench.h"
+
 #include <benchmark/benchmark.h>
 #include <tbb/task_arena.h>
 
@@ -13,7 +15,6 @@
 
 #include "benchmarks.h"
 #include "facetsort/order/method.h"
-#include "facetsort/order/sorter.h"
 #include "sort_subjects.h"
 #include "thread_counts.h"
 
@@ -69,29 +70,6 @@ void sort_frames(benchmark::State& state, const Subject& subject, Method method,
     }
     const SortView& last = views[frame == 0 ? views.size() - 1 : (frame - 1) % views.size()];
     if (!is_right(order, mesh, last, {.method = method})) state.SkipWithError("not back to front");
-  });
-  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(mesh.triangles.size()));
-}
-
-void sort_index_buffers(benchmark::State& state, const Subject& subject, const SorterOptions& options, int threads) {
-  const Mesh& mesh = subject.mesh();
-  const std::vector<SortView> views = sort_views(mesh);
-  std::vector<std::uint32_t> indices(3 * mesh.triangles.size());
-  tbb::task_arena arena(threads);
-  arena.execute([&] {
-    Sorter sorter(mesh.view(), options);
-    sorter.sort_indices(views.back(), mesh.triangles, indices);
-    std::size_t frame = 0, drawn = 0;
-    for (auto _ : state) {
-      drawn = sorter.sort_indices(views[frame++ % views.size()], mesh.triangles, indices);
-      benchmark::ClobberMemory();
-    }
-    const SortView& last = views[frame == 0 ? views.size() - 1 : (frame - 1) % views.size()];
-    const std::span<const std::uint32_t> order = sorter.sort(last);
-    if (order.size() != drawn || !is_right(order, mesh, last, options) ||
-        !has_corners_in_order(indices, mesh.triangles, order)) {
-      state.SkipWithError("not back to front");
-    }
   });
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(mesh.triangles.size()));
 }
@@ -173,6 +151,29 @@ void move_positions(benchmark::State& state, const Subject& subject, int threads
 }
 
 }  // namespace
+
+void sort_index_buffers(benchmark::State& state, const Subject& subject, const SorterOptions& options, int threads) {
+  const Mesh& mesh = subject.mesh();
+  const std::vector<SortView> views = sort_views(mesh);
+  std::vector<std::uint32_t> indices(3 * mesh.triangles.size());
+  tbb::task_arena arena(threads);
+  arena.execute([&] {
+    Sorter sorter(mesh.view(), options);
+    sorter.sort_indices(views.back(), mesh.triangles, indices);
+    std::size_t frame = 0, drawn = 0;
+    for (auto _ : state) {
+      drawn = sorter.sort_indices(views[frame++ % views.size()], mesh.triangles, indices);
+      benchmark::ClobberMemory();
+    }
+    const SortView& last = views[frame == 0 ? views.size() - 1 : (frame - 1) % views.size()];
+    const std::span<const std::uint32_t> order = sorter.sort(last);
+    if (order.size() != drawn || !is_right(order, mesh, last, options) ||
+        !has_corners_in_order(indices, mesh.triangles, order)) {
+      state.SkipWithError("not back to front");
+    }
+  });
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(mesh.triangles.size()));
+}
 
 void register_sort_benchmarks() {
   const auto add = [](const std::string& name, const Subject& subject, const auto& run) {

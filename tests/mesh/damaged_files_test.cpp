@@ -2,8 +2,6 @@
 // a mesh that it does not hold.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <limits>
 #include <random>
@@ -12,6 +10,7 @@
 #include "facetsort/mesh/read.h"
 #include "mesh/encode.h"
 #include "mesh/temporary_folder.h"
+#include "support/permission.h"
 
 namespace facetsort {
 namespace {
@@ -166,25 +165,14 @@ TEST(Unreadable, MissingFilesFoldersAndDevices) {
   }
 }
 
-// In a child that is not root, whom permissions don't stop.
 TEST(Unreadable, NoPermission) {
   const TemporaryFolder folder;
   const std::filesystem::path path = folder.write("secret.ply", ply_ascii(dirty_mesh()));
-  ASSERT_EQ(chmod(folder.path().c_str(), 0755), 0);
-  ASSERT_EQ(chmod(path.c_str(), 0), 0);
-  const pid_t child = fork();
-  ASSERT_GE(child, 0);
-  if (child == 0) {
-    constexpr uid_t nobody = 65534;
-    if (geteuid() == 0 && setuid(nobody) != 0) _exit(2);
-    const Result<Mesh> mesh = read_mesh(path);
-    const bool as_expected = !mesh.ok() && mesh.status().fault == Fault::cannot_read &&
-                             mesh.status().message == path.string() + ": cannot be opened: Permission denied";
-    _exit(as_expected ? 0 : 1);
-  }
-  int status = 0;
-  ASSERT_EQ(waitpid(child, &status, 0), child);
-  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+  expect_refused_without_permission(folder, path, [](const std::filesystem::path& file) {
+    const Result<Mesh> mesh = read_mesh(file);
+    return !mesh.ok() && mesh.status().fault == Fault::cannot_read &&
+           mesh.status().message == file.string() + ": cannot be opened: Permission denied";
+  });
 }
 
 // --- what each format can get wrong

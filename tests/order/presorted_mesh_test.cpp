@@ -3,8 +3,6 @@
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <atomic>
@@ -15,6 +13,7 @@
 #include "mesh/temporary_folder.h"
 #include "order/fsort_bytes.h"
 #include "order/presorted_samples.h"
+#include "support/permission.h"
 #include "support/threads.h"
 
 namespace facetsort {
@@ -223,25 +222,14 @@ TEST(PresortedMesh, WhatIsNoRegularFile) {
   expect_no_file(folder.write("mesh.fsort", "ply\nformat ascii 1.0\n"), Fault::unsupported_format, "is no .fsort file");
 }
 
-// In a child that is not root, whom permissions don't stop.
 TEST(PresortedMesh, NoPermission) {
   const TemporaryFolder folder;
   const std::filesystem::path path = folder.write("secret.fsort", "");
-  ASSERT_EQ(chmod(folder.path().c_str(), 0755), 0);
-  ASSERT_EQ(chmod(path.c_str(), 0), 0);
-  const pid_t child = fork();
-  ASSERT_GE(child, 0);
-  if (child == 0) {
-    constexpr uid_t nobody = 65534;
-    if (geteuid() == 0 && setuid(nobody) != 0) _exit(2);
-    const Result<PresortedMesh> mesh = PresortedMesh::open(path);
-    const bool as_expected = !mesh.ok() && mesh.status().fault == Fault::cannot_read &&
-                             mesh.status().message == path.string() + ": cannot be opened: Permission denied";
-    _exit(as_expected ? 0 : 1);
-  }
-  int status = 0;
-  ASSERT_EQ(waitpid(child, &status, 0), child);
-  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+  expect_refused_without_permission(folder, path, [](const std::filesystem::path& file) {
+    const Result<PresortedMesh> mesh = PresortedMesh::open(file);
+    return !mesh.ok() && mesh.status().fault == Fault::cannot_read &&
+           mesh.status().message == file.string() + ": cannot be opened: Permission denied";
+  });
 }
 
 std::size_t file_count(const std::filesystem::path& folder) {

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <numeric>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -80,9 +80,10 @@ inline IndexBuffers rotated_buffers(std::uint32_t facets, std::uint32_t count) {
   return buffers;
 }
 
-// The triangles back to front for a homogeneous eye, as FSORT.md says; sides in plain double, so exact on the small
-// whole numbers of the meshes above.
-inline std::vector<glm::uvec3> walked_triangles(const PresortedView& view, const glm::dvec4& eye) {
+// The triangles back to front, as FSORT.md says. `is_in_front` tells of three points whether the eye is in front of
+// their plane, or in it.
+template <typename IsInFront>
+std::vector<glm::uvec3> walked_by_sides(const PresortedView& view, const IsInFront& is_in_front) {
   std::vector<std::size_t> first_triangle(view.pieces.size() + 1);
   for (std::size_t p = 0; p < view.pieces.size(); ++p) {
     first_triangle[p + 1] = first_triangle[p] + view.pieces[p].triangle_count;
@@ -100,9 +101,8 @@ inline std::vector<glm::uvec3> walked_triangles(const PresortedView& view, const
   std::vector<std::size_t> place(view.nodes.size() + 1, first_of_node[0]);
   for (std::size_t i = 0; i < view.nodes.size(); ++i) {
     const PresortedNode& node = view.nodes[i];
-    const glm::dvec3 a(view.mesh.positions[node.plane.x]), b(view.mesh.positions[node.plane.y]),
-        c(view.mesh.positions[node.plane.z]);
-    const bool from_front = glm::dot(glm::cross(b - a, c - a), glm::dvec3(eye) - a * eye.w) >= 0;
+    const std::span<const glm::vec3> points = view.mesh.positions;
+    const bool from_front = is_in_front(points[node.plane.x], points[node.plane.y], points[node.plane.z]);
     const std::size_t front = i + 1, back = front + node.front_nodes, end = back + node.back_nodes;
     const std::size_t own = first_of_node[front] - first_of_node[i];
     const std::size_t in_front = first_of_node[back] - first_of_node[front];
@@ -113,6 +113,13 @@ inline std::vector<glm::uvec3> walked_triangles(const PresortedView& view, const
     if (node.back_nodes != 0) place[back] = from_front ? start : start + far + own;
   }
   return walked;
+}
+
+// The same for a homogeneous eye; sides in plain double, so exact on the small whole numbers of the meshes above.
+inline std::vector<glm::uvec3> walked_triangles(const PresortedView& view, const glm::dvec4& eye) {
+  return walked_by_sides(view, [&](const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c) {
+    return glm::dot(glm::cross(b - a, c - a), glm::dvec3(eye) - a * eye.w) >= 0;
+  });
 }
 
 }  // namespace facetsort

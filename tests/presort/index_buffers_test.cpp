@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <numeric>
-#include <random>
 #include <span>
 #include <utility>
 #include <vector>
@@ -14,10 +13,13 @@
 #include "facetsort/order/sorter.h"
 #include "shapes.h"
 #include "support/mesh_files.h"
+#include "support/random_views.h"
 #include "support/threads.h"
 
 namespace facetsort {
 namespace {
+
+constexpr std::uint32_t seed_of_views = 3;
 
 // What holds whatever the mesh.
 void expect_sound(const MeshView& mesh, const IndexBuffers& buffers, std::size_t most_buffers) {
@@ -52,21 +54,6 @@ void expect_same(const IndexBuffers& a, const IndexBuffers& b) {
   EXPECT_EQ(a.worst_inverted_rate, b.worst_inverted_rate);
 }
 
-// From random directions, at 3 bounding radii.
-std::vector<View> random_views(const MeshView& mesh, std::size_t count) {
-  std::mt19937 random(3);
-  const Box box = facet_bounds(mesh);
-  std::vector<View> views;
-  while (views.size() < count) {
-    glm::vec3 point;
-    for (int axis = 0; axis < 3; ++axis) point[axis] = static_cast<float>(random()) / 2147483648.f - 1;
-    const float length = glm::length(point);
-    if (length < 0.1f || length > 1) continue;
-    views.push_back(default_view(box, box.centre() + point * (3 * box.radius() / length)));
-  }
-  return views;
-}
-
 double mean_rate(const MeshView& mesh, const IndexBuffers& buffers, const std::vector<View>& views) {
   double sum = 0;
   for (const View& view : views) sum += inverted_rate(mesh, view, buffers);
@@ -92,7 +79,7 @@ TEST(IndexBuffers, AreBetterThanAsManyOrdersByDepth) {
   for (const auto& [name, count] : {std::pair("teapot_1k", 4), std::pair("hand_2k", 10)}) {
     SCOPED_TRACE(testing::Message() << name << ", " << count << " buffers");
     const Mesh mesh = load(name);
-    const std::vector<View> views = random_views(mesh.view(), 40);
+    const std::vector<View> views = random_views(mesh.view(), 40, seed_of_views);
     const IndexBuffers made = make_index_buffers(mesh.view(), {.most_buffers = static_cast<std::size_t>(count)});
     expect_sound(mesh.view(), made, static_cast<std::size_t>(count));
     const double by_depth = mean_rate(mesh.view(), depth_orders(mesh.view(), count), views);
@@ -103,7 +90,7 @@ TEST(IndexBuffers, AreBetterThanAsManyOrdersByDepth) {
 TEST(IndexBuffers, MeasureWhatTheyErr) {
   const Mesh mesh = load("hand_2k");
   const IndexBuffers buffers = make_index_buffers(mesh.view(), {.most_buffers = 3});
-  const double mean = mean_rate(mesh.view(), buffers, random_views(mesh.view(), 100));
+  const double mean = mean_rate(mesh.view(), buffers, random_views(mesh.view(), 100, seed_of_views));
   EXPECT_GT(mean, 0);
   EXPECT_GT(buffers.mean_inverted_rate, mean / 2);
   EXPECT_LT(buffers.mean_inverted_rate, mean * 2);
