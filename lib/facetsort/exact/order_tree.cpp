@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <utility>
 
@@ -239,10 +240,10 @@ class Grower {
   Choice choose_plane(const std::vector<Item>& items) {
     take_sample(items);
     const MeshView& mesh = space().mesh;
-    std::size_t state = items.size();
+    std::uint64_t state = items.size();
     const auto any = [&](std::size_t count) {  // the same numbers for the same parts
       state = state * 6364136223846793005u + 1442695040888963407u;
-      return (state >> 33) % count;
+      return static_cast<std::size_t>(((state >> 32) * count) >> 32);
     };
     const auto any_vertex = [&](FacetId facet) { return mesh.triangles[facet][static_cast<int>(any(3))]; };
     Choice best;
@@ -258,7 +259,7 @@ class Grower {
       const PointId apart = any_vertex(items[any(items.size())].facet);
       try_plane({edge_of[edge], edge_of[(edge + 1) % 3], apart}, OrderTree::none, best);
     }
-    if (best.cost == INFINITY) return best;
+    if (best.cost == INFINITY || sample_.is_hard_to_beat(best.cost)) return best;
     const std::size_t moves = std::min(4 * items.size(), moves_tried * effort_);
     for (std::size_t i = 0; i < moves; ++i) {
       CutPlane moved = best.plane;

@@ -9,23 +9,31 @@
 #include <cmath>
 #include <vector>
 
+#ifndef FACETSORT_EXACT_PART_SAMPLE_ONCE
+#define FACETSORT_EXACT_PART_SAMPLE_ONCE
+namespace facetsort::exact_internal {
+using Places = double[PartSample::most_corners][3][PartSample::most_parts];
+using RoughPlaces = float[PartSample::most_corners][3][PartSample::rough_parts];
+}  // namespace facetsort::exact_internal
+#endif
+
 HWY_BEFORE_NAMESPACE();
 namespace facetsort::exact_internal::HWY_NAMESPACE {
 
 namespace hn = hwy::HWY_NAMESPACE;
 
-// In the frame of the sample, whose coordinates are up to 1/2.
+// In the frame of the sample, whose coordinates are up to 1/2. Rough ones are off by a few 2^-24.
 constexpr double in_plane_below = 0x1p-40;
-
-using Coordinates = double[PartSample::most_corners][3][PartSample::most_parts];
+constexpr float roughly_in_plane_below = 0x1p-20f;
 
 // No fused multiply-add: the same bits for every instruction set.
-SideCounts CountSides(const Coordinates& coordinates, std::size_t corners, std::size_t begin, std::size_t end,
-                      const glm::dvec3& normal, double offset) {
-  const hn::CappedTag<double, 8> tag;
+template <typename Real, std::size_t places>
+SideCounts CountSides(const Real (&coordinates)[PartSample::most_corners][3][places], std::size_t corners,
+                      std::size_t begin, std::size_t end, const glm::vec<3, Real>& normal, Real offset, Real in_plane) {
+  const hn::CappedTag<Real, 64 / sizeof(Real)> tag;
   const auto x = hn::Set(tag, normal.x), y = hn::Set(tag, normal.y), z = hn::Set(tag, normal.z);
   const auto d = hn::Set(tag, offset);
-  const auto above = hn::Set(tag, in_plane_below), below = hn::Set(tag, -in_plane_below);
+  const auto above = hn::Set(tag, in_plane), below = hn::Set(tag, -in_plane);
   SideCounts counts;
   for (std::size_t i = begin; i < end; i += hn::Lanes(tag)) {
     const auto value = [&](std::size_t corner) HWY_ATTR {
@@ -53,13 +61,24 @@ SideCounts CountSides(const Coordinates& coordinates, std::size_t corners, std::
   return counts;
 }
 
+SideCounts CountPlaces(const Places& places, std::size_t corners, std::size_t begin, std::size_t end,
+                       const glm::dvec3& normal, double offset) {
+  return CountSides(places, corners, begin, end, normal, offset, in_plane_below);
+}
+
+SideCounts CountRoughPlaces(const RoughPlaces& places, std::size_t corners, std::size_t begin, std::size_t end,
+                            const glm::vec3& normal, float offset) {
+  return CountSides(places, corners, begin, end, normal, offset, roughly_in_plane_below);
+}
+
 }  // namespace facetsort::exact_internal::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace facetsort::exact_internal {
 
-HWY_EXPORT(CountSides);
+HWY_EXPORT(CountPlaces);
+HWY_EXPORT(CountRoughPlaces);
 
 namespace {
 
@@ -69,6 +88,12 @@ constexpr double cost_of_node = 0.2, cost_at_corner = 0.75;
 
 // How much dearer a plane has to look on some of the parts to be given up.
 constexpr double far_above = 1.3;
+
+// How much dearer than the least that a plane without cuts can cost is not worth looking for a better one.
+constexpr double hard_to_beat = 1.5;
+
+// Fewer are judged at once.
+constexpr std::size_t fewest_rough_parts = 16;
 
 // Natural logarithms, rounded to what every mathematics library agrees on.
 const std::vector<double>& logarithms() {
@@ -86,6 +111,7 @@ const std::vector<double>& logarithms() {
 
 void PartSample::begin(std::size_t all, const glm::dvec3& lowest, const glm::dvec3& highest) {
   all_ = static_cast<double>(all);
+  log_all_ = static_cast<float>(std::log(all_));
   origin_ = (lowest + highest) / 2.0;
   const glm::dvec3 extent = highest - lowest;
   const double largest = std::max({extent.x, extent.y, extent.z});
@@ -100,7 +126,10 @@ void PartSample::add(std::span<const glm::dvec3> part) {
     const std::size_t corner =
         part.size() <= most_corners ? std::min(i, part.size() - 1) : i * part.size() / most_corners;
     const glm::dvec3 place = (part[corner] - origin_) * scale_;
-    for (int axis = 0; axis < 3; ++axis) coordinates_[i][axis][count_] = place[axis];
+    for (int axis = 0; axis < 3; ++axis) {
+      coordinates_[i][axis][count_] = place[axis];
+      if (count_ < rough_parts) rough_[i][axis][count_] = static_cast<float>(place[axis]);
+    }
   }
   ++count_;
 }
@@ -113,7 +142,7 @@ double PartSample::cost_of(const SideCounts& counts, std::size_t seen) const {
   const std::uint32_t all = counts.front + counts.back + in_plane;
   double gain = counts.front * (logarithm[all] - logarithm[counts.front]) * (counts.front > 0) +
                 counts.back * (logarithm[all] - logarithm[counts.back]) * (counts.back > 0);
-  if (in_plane > 0) gain += in_plane * static_cast<double>(static_cast<float>(std::log(all * scale)));
+  if (in_plane > 0) gain += in_plane * (logarithm[all] - logarithm[seen] + log_all_);
   const double cuts = counts.cut - (1 - cost_at_corner) * counts.cut_at_corner;
   return gain > 0 ? (cuts * scale + cost_of_node) / (gain * scale) : INFINITY;
 }
@@ -121,18 +150,34 @@ double PartSample::cost_of(const SideCounts& counts, std::size_t seen) const {
 double PartSample::cost(const glm::dvec3& normal, const glm::dvec3& origin, double least) const {
   const double length = glm::length(normal);
   if (!(length > 0)) return INFINITY;
-  const glm::dvec3 unit = normal / length;
+  const glm::dvec3 unit = normal * (1 / length);
   const double offset = glm::dot(unit, (origin - origin_) * scale_);
-  SideCounts counts;
-  for (std::size_t seen = 0, next = 64; seen < count_; next *= 2) {
-    const std::size_t until = count_ < 2 * next ? count_ : next;
-    counts += HWY_DYNAMIC_DISPATCH(CountSides)(coordinates_, corners_, seen, until, unit, offset);
+  const auto is_far_above_least = [&](const SideCounts& some, std::size_t seen) {
+    const double found = cost_of(some, seen);
+    return found > far_above * least && found < INFINITY;
+  };
+  SideCounts rough;
+  const std::size_t roughly = count_ < fewest_rough_parts ? 0 : std::min(count_, rough_parts);
+  for (std::size_t seen = 0, step = 64; seen < roughly; step *= 2) {
+    const std::size_t until = roughly < 2 * step ? roughly : step;
+    rough += HWY_DYNAMIC_DISPATCH(CountRoughPlaces)(rough_, corners_, seen, until, glm::vec3(unit),
+                                                    static_cast<float>(offset));
     seen = until;
-    if (seen == count_) break;
-    const double found = cost_of(counts, seen);
-    if (found > far_above * least && found < INFINITY) return INFINITY;
+    if (is_far_above_least(rough, seen)) return INFINITY;
+  }
+  SideCounts counts;
+  for (std::size_t seen = 0, next = 2 * rough_parts; seen < count_; next *= 2) {
+    const std::size_t until = count_ < 2 * next ? count_ : next;
+    counts += HWY_DYNAMIC_DISPATCH(CountPlaces)(coordinates_, corners_, seen, until, unit, offset);
+    seen = until;
+    if (seen < count_ && is_far_above_least(counts, seen)) return INFINITY;
   }
   return cost_of(counts, count_);
+}
+
+bool PartSample::is_hard_to_beat(double cost) const {
+  constexpr double log_2 = 0.693147180559945309417;
+  return cost * all_ * log_2 < hard_to_beat * cost_of_node;
 }
 
 }  // namespace facetsort::exact_internal

@@ -26,7 +26,7 @@ struct SideCounts {
 // does not depend on the instruction set.
 class PartSample {
  public:
-  static constexpr std::size_t most_parts = 4096, most_corners = 4;
+  static constexpr std::size_t most_parts = 4096, most_corners = 4, rough_parts = 256;
 
   // Forgets what it holds. `all`: the parts of the set; lowest, highest: their box.
   void begin(std::size_t all, const glm::dvec3& lowest, const glm::dvec3& highest);
@@ -38,13 +38,16 @@ class PartSample {
   // Infinite where it distributes nothing. Where some of the parts show that it is far above `least`, that is all it
   // tells.
   double cost(const glm::dvec3& normal, const glm::dvec3& origin, double least) const;
+  // Whether a cost is near that of a plane that cuts nothing and has half of the parts on either side.
+  bool is_hard_to_beat(double cost) const;
 
  private:
   double cost_of(const SideCounts& counts, std::size_t seen) const;
 
   glm::dvec3 origin_{0};
-  double scale_ = 1, all_ = 0;
+  double scale_ = 1, all_ = 0, log_all_ = 0;
   std::size_t count_ = 0, corners_ = 3;
+  alignas(64) float rough_[most_corners][3][rough_parts] = {};  // of the first parts
   alignas(64) double coordinates_[most_corners][3][most_parts] = {};
 };
 
