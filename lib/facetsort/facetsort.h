@@ -8,6 +8,7 @@
 #include "facetsort/base/file_bytes.h"
 #include "facetsort/base/new_file.h"
 
+#include "facetsort/mesh/material.h"
 #include "facetsort/mesh/mesh_view.h"
 #include "facetsort/mesh/mesh.h"
 #include "facetsort/mesh/read.h"

@@ -143,6 +143,53 @@ void count_edges(const std::vector<glm::uvec3>& facets, MeshFacts& facts) {
   facts.oriented = facts.misoriented_edges == 0 && facts.non_manifold_edges == 0;
 }
 
+Status validate_materials(const MeshView& mesh) {
+  if (mesh.facet_materials.empty()) return {};
+  const std::size_t facets = mesh.facet_count(), vertices = mesh.vertex_count();
+  if (mesh.facet_materials.size() != facets) {
+    return {Fault::size_mismatch,
+            std::to_string(mesh.facet_materials.size()) + " facet materials for " + std::to_string(facets) + " facets"};
+  }
+  if (!mesh.texture_coordinates.empty() && mesh.texture_coordinates.size() != vertices) {
+    return {Fault::size_mismatch, std::to_string(mesh.texture_coordinates.size()) + " texture coordinates for " +
+                                      std::to_string(vertices) + " vertices"};
+  }
+  for (std::size_t i = 0; i < mesh.textures.size(); ++i) {
+    const Texture& texture = mesh.textures[i];
+    if (texture.width <= 0 || texture.height <= 0 ||
+        texture.texels.size() != static_cast<std::size_t>(texture.width) * static_cast<std::size_t>(texture.height)) {
+      return {Fault::size_mismatch, "texture " + std::to_string(i) + " has " + std::to_string(texture.texels.size()) +
+                                        " texels for " + std::to_string(texture.width) + " x " +
+                                        std::to_string(texture.height)};
+    }
+  }
+  for (std::size_t f = 0; f < facets; ++f) {
+    const std::uint32_t material = mesh.facet_materials[f];
+    if (material >= mesh.materials.size()) {
+      return {Fault::index_out_of_range, "facet " + std::to_string(f) + " names material " + std::to_string(material) +
+                                             " of " + std::to_string(mesh.materials.size())};
+    }
+    const std::uint32_t texture = mesh.materials[material].texture;
+    if (texture == Material::no_texture) continue;
+    if (texture >= mesh.textures.size()) {
+      return {Fault::index_out_of_range, "material " + std::to_string(material) + " names texture " +
+                                             std::to_string(texture) + " of " + std::to_string(mesh.textures.size())};
+    }
+    if (mesh.texture_coordinates.empty()) {
+      return {Fault::size_mismatch, "facet " + std::to_string(f) + " has a texture and no texture coordinates"};
+    }
+    for (int i = 0; i < 3; ++i) {
+      const glm::vec2& at = mesh.texture_coordinates[mesh.triangles[f][i]];
+      if (!std::isfinite(at.x) || !std::isfinite(at.y)) {
+        return {Fault::non_finite_position, "facet " + std::to_string(f) + " uses vertex " +
+                                                std::to_string(mesh.triangles[f][i]) +
+                                                ", whose texture coordinates are not finite"};
+      }
+    }
+  }
+  return {};
+}
+
 }  // namespace
 
 Status validate(const MeshView& mesh) {
@@ -174,7 +221,7 @@ Status validate(const MeshView& mesh) {
       }
     }
   }
-  return {};
+  return validate_materials(mesh);
 }
 
 MeshFacts inspect(const MeshView& mesh) {

@@ -6,6 +6,8 @@
 #include <glm/glm.hpp>
 #include <span>
 
+#include "facetsort/mesh/material.h"
+
 namespace facetsort {
 
 // Borrows a triangle mesh; owns nothing, copies cheaply, and is valid as long as the arrays are.
@@ -18,6 +20,12 @@ struct MeshView {
   std::span<const glm::uvec3> triangles;      // indices into positions
   std::span<const glm::vec4> facet_colours;   // linear RGB and straight alpha, one a facet, or empty
   std::span<const glm::vec4> vertex_colours;  // linear RGB and straight alpha, one a vertex, or empty
+  // What every facet's material is; without, all are blended, double-sided and untextured, and a mesh that has no
+  // colours either gets the default ones (see blend/shading.h).
+  std::span<const std::uint32_t> facet_materials{};  // indices into materials, one a facet, or empty
+  std::span<const Material> materials{};
+  std::span<const Texture> textures{};
+  std::span<const glm::vec2> texture_coordinates{};  // one a vertex, or empty where no facet has a texture
 
   std::size_t facet_count() const { return triangles.size(); }
   std::size_t vertex_count() const { return positions.size(); }
