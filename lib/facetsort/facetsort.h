@@ -34,6 +34,7 @@
 
 #include "facetsort/blend/view.h"
 #include "facetsort/blend/shading.h"
+#include "facetsort/blend/texture.h"
 #include "facetsort/blend/image.h"
 #include "facetsort/blend/source_over.h"
 #include "facetsort/blend/rasteriser.h"

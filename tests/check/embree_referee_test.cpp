@@ -348,5 +348,25 @@ TEST(EmbreeReferee, RefusesAViewThatIsNone) {
   EXPECT_EQ(hits.status().fault, Fault::bad_argument);
 }
 
+TEST(EmbreeReferee, MeetsSingleSidedFacetsFromTheFrontAlone) {
+  Mesh mesh = shapes::torus_knot(2000);
+  mesh.facet_materials.assign(mesh.triangles.size(), 0);
+  mesh.materials = {{.double_sided = false}};
+  const View view = sized(default_view(facet_bounds(mesh.view()), {2, 1, 3}), 80, 60);
+  const RayHits hits = cast(mesh, view);
+  const FragmentLists lists = collect_fragments(mesh.view(), view);
+  EXPECT_LT(hits.unjudged_rays, 10u);
+  ASSERT_GT(lists.fragments.size(), 500u);
+  std::size_t several = 0;
+  for (std::size_t pixel = 0; pixel < hits.judged.size(); ++pixel) {
+    if (!hits.judged[pixel]) continue;
+    const auto found = hits.lists.pixel(pixel), expected = lists.pixel(pixel);
+    ASSERT_EQ(found.size(), expected.size()) << pixel;
+    for (std::size_t i = 0; i < found.size(); ++i) EXPECT_EQ(found[i].facet, expected[i].facet);
+    several += found.size() > 1;
+  }
+  EXPECT_GT(several, 10u);
+}
+
 }  // namespace
 }  // namespace facetsort

@@ -146,22 +146,29 @@ void FacetBins::fill(std::size_t chunk_index) {
   }
 }
 
-// Facets are placed in the order in which they lie in memory, and then looked up in draw order, in two passes: each
-// chunk of the order counts its entries a tile; once the counts are summed each chunk knows where its entries go, and
-// writes them.
-void FacetBins::build(const ProjectedMesh& projected, std::span<const std::uint32_t> order, const Pieces& pieces) {
+// Each facet in the order in which they lie in memory.
+void FacetBins::place_mesh(const ProjectedMesh& projected) {
   columns_ = (projected.view.width + tile_size - 1) / tile_size;
   rows_ = (projected.view.height + tile_size - 1) / tile_size;
+  grow(facets_, projected.mesh.facet_count());
+  parallel_ranges(projected.mesh.facet_count(), facets_per_task, [&](std::size_t begin, std::size_t end) {
+    place_facets(projected, begin, end, facets_.data() + begin);
+    if (projected.mesh.facet_materials.empty()) return;
+    for (std::size_t facet = begin; facet < end; ++facet) {
+      if (!facets_[facet].is_front && is_single_sided(projected.mesh, facet)) facets_[facet] = PlacedFacet::nothing();
+    }
+  });
+}
+
+// Facets are looked up in draw order, in two passes: each chunk of the order counts its entries a tile; once the counts
+// are summed each chunk knows where its entries go, and writes them.
+void FacetBins::sort_into_tiles(const ProjectedMesh& projected, std::span<const std::uint32_t> order,
+                                const Pieces& pieces) {
   const std::size_t tile_count = static_cast<std::size_t>(tiles());
   const std::size_t chunks = (order.size() + facets_per_chunk - 1) / facets_per_chunk;
-  grow(facets_, projected.mesh.facet_count());
   grow(drawn_, order.size());
   grow(chunks_, chunks);
   grow(cursors_, chunks * tile_count);
-
-  parallel_ranges(projected.mesh.facet_count(), facets_per_task, [&](std::size_t begin, std::size_t end) {
-    place_facets(projected, begin, end, facets_.data() + begin);
-  });
   parallel_ranges(chunks, 1, [&](std::size_t first_chunk, std::size_t last_chunk) {
     for (std::size_t chunk = first_chunk; chunk < last_chunk; ++chunk) place(projected, order, pieces, chunk);
   });
@@ -176,6 +183,11 @@ void FacetBins::build(const ProjectedMesh& projected, std::span<const std::uint3
     front_facets_ += chunks_[chunk].fronts;
     back_facets_ += chunks_[chunk].kept - chunks_[chunk].fronts;
   }
+}
+
+void FacetBins::build(const ProjectedMesh& projected, std::span<const std::uint32_t> order, const Pieces& pieces) {
+  place_mesh(projected);
+  sort_into_tiles(projected, order, pieces);
 }
 
 }  // namespace facetsort::blend_internal

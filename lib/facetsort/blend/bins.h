@@ -43,6 +43,9 @@ class FacetBins {
   // cover a pixel's centre are left out. Parallel in the caller's task arena; the same bins for any thread count. Keeps
   // its storage.
   void build(const ProjectedMesh& projected, std::span<const std::uint32_t> order, const Pieces& pieces);
+  // The two halves of that: for several orders of one mesh, the first is done once.
+  void place_mesh(const ProjectedMesh& projected);
+  void sort_into_tiles(const ProjectedMesh& projected, std::span<const std::uint32_t> order, const Pieces& pieces);
 
   int tiles() const { return columns_ * rows_; }
   // The tile's upper left pixel.

@@ -21,13 +21,13 @@ namespace hn = hwy::HWY_NAMESPACE;
 
 // Where facets are shaded by their corners, or have depth.
 template <bool vertex_colours, bool depth>
-void draw_pass(const TileTask& task, const DrawPass& pass, int tile, int x0, int y0, TileColours& colours,
-               TilePlane& depths) {
+void draw_shaded_pass(const TileTask& task, const DrawPass& pass, int tile, DrawnTile& drawn) {
   const FloatTag d;
   const ProjectedMesh& projected = task.projected;
   const bool eight_bits = task.format == PixelFormat::rgba8;
   const float scale = channel_scale(task);
   if (!pass.colour_write && !pass.depth_write) return;
+  const int x0 = task.bins.tile_x(tile), y0 = task.bins.tile_y(tile);
   Paint paint;
   for (const BinEntry& entry : task.bins.tile(tile)) {
     if (is_culled(pass, entry)) continue;
@@ -49,17 +49,18 @@ void draw_pass(const TileTask& task, const DrawPass& pass, int tile, int x0, int
       if (!is_set_up) set_up();
       const std::size_t pixel = static_cast<std::size_t>(y * tile_size + x);
       if constexpr (depth) {
-        const auto stored = hn::Load(d, depths.pixel + pixel);
+        if (is_masked(paint)) mask = hn::And(mask, drawn_by_material<vertex_colours>(paint, x, y));
+        const auto stored = hn::Load(d, drawn.depths.pixel + pixel);
         const auto fragment = interpolate(distance, denominator, x, y);
         if (pass.depth_test == DepthTest::less) mask = hn::And(mask, hn::Lt(fragment, stored));
         if (pass.depth_test == DepthTest::less_or_equal) mask = hn::And(mask, hn::Le(fragment, stored));
-        if (pass.depth_write) hn::Store(hn::IfThenElse(mask, fragment, stored), d, depths.pixel + pixel);
+        if (pass.depth_write) hn::Store(hn::IfThenElse(mask, fragment, stored), d, drawn.depths.pixel + pixel);
       }
       if (!pass.colour_write) return;
       blend_paint<vertex_colours>(
           paint, scale, x, y,
           [&](int channel, hn::VFromD<FloatTag> source, hn::VFromD<FloatTag> transparency) HWY_ATTR {
-            float* plane = colours.channel[channel].pixel + pixel;
+            float* plane = drawn.colours.channel[channel].pixel + pixel;
             const auto below = hn::Load(d, plane);
             auto blended = hn::Add(source, hn::Mul(below, transparency));
             if (eight_bits) blended = hn::Round(blended);
@@ -69,30 +70,38 @@ void draw_pass(const TileTask& task, const DrawPass& pass, int tile, int x0, int
   }
 }
 
+void StartDrawing(const TileTask& task, DrawnTile& drawn) {
+  clear(drawn.colours, clear_value(task));
+  fill(drawn.depths, infinity);
+}
+
+void DrawPassInTile(const TileTask& task, const DrawPass& pass, int tile, DrawnTile& drawn) {
+  const bool uses_depth = pass.depth_test != DepthTest::off || pass.depth_write;
+  if (!task.colours.empty()) {
+    draw_shaded_pass<false, true>(task, pass, tile, drawn);
+  } else if (uses_depth) {
+    draw_shaded_pass<true, true>(task, pass, tile, drawn);
+  } else {
+    draw_shaded_pass<true, false>(task, pass, tile, drawn);
+  }
+}
+
+void FinishDrawing(const TileTask& task, int tile, const DrawnTile& drawn) {
+  write_tile(task, drawn.colours, task.bins.tile_x(tile), task.bins.tile_y(tile));
+}
+
 void DrawTile(const TileTask& task, std::span<const DrawPass> passes, int tile) {
   const bool uses_depth = std::any_of(passes.begin(), passes.end(), [](const DrawPass& pass) {
     return pass.depth_test != DepthTest::off || pass.depth_write;
   });
-  const bool vertex_colours = task.colours.empty();
-  if (!vertex_colours && !uses_depth) {
+  if (!task.colours.empty() && !uses_depth) {
     return task.format == PixelFormat::rgba8 ? draw_flat_tile<true>(task, passes, tile)
                                              : draw_flat_tile<false>(task, passes, tile);
   }
-  const int x0 = task.bins.tile_x(tile), y0 = task.bins.tile_y(tile);
-  TileColours colours;
-  TilePlane depths;
-  clear(colours, clear_value(task));
-  if (uses_depth) fill(depths, infinity);
-  for (const DrawPass& pass : passes) {
-    if (!vertex_colours) {
-      draw_pass<false, true>(task, pass, tile, x0, y0, colours, depths);
-    } else if (uses_depth) {
-      draw_pass<true, true>(task, pass, tile, x0, y0, colours, depths);
-    } else {
-      draw_pass<true, false>(task, pass, tile, x0, y0, colours, depths);
-    }
-  }
-  write_tile(task, colours, x0, y0);
+  DrawnTile drawn;
+  StartDrawing(task, drawn);
+  for (const DrawPass& pass : passes) DrawPassInTile(task, pass, tile, drawn);
+  FinishDrawing(task, tile, drawn);
 }
 
 }  // namespace facetsort::blend_internal::HWY_NAMESPACE

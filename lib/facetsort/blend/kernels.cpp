@@ -41,6 +41,9 @@ HWY_AFTER_NAMESPACE();
 namespace facetsort::blend_internal {
 
 HWY_EXPORT(DrawTile);
+HWY_EXPORT(StartDrawing);
+HWY_EXPORT(DrawPassInTile);
+HWY_EXPORT(FinishDrawing);
 HWY_EXPORT(StartPeeling);
 HWY_EXPORT(PeelTile);
 HWY_EXPORT(FinishPeeling);
@@ -51,6 +54,18 @@ HWY_EXPORT(ColourFacets);
 
 void draw_tile(const TileTask& task, std::span<const DrawPass> passes, int tile) {
   HWY_DYNAMIC_DISPATCH(DrawTile)(task, passes, tile);
+}
+
+void start_drawing(const TileTask& task, DrawnTile& drawn) {
+  HWY_DYNAMIC_DISPATCH(StartDrawing)(task, drawn);
+}
+
+void draw_pass(const TileTask& task, const DrawPass& pass, int tile, DrawnTile& drawn) {
+  HWY_DYNAMIC_DISPATCH(DrawPassInTile)(task, pass, tile, drawn);
+}
+
+void finish_drawing(const TileTask& task, int tile, const DrawnTile& drawn) {
+  HWY_DYNAMIC_DISPATCH(FinishDrawing)(task, tile, drawn);
 }
 
 void start_peeling(const TileTask& task, PeeledTile& peeled) {

@@ -7,12 +7,15 @@
 #endif
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <limits>
+#include <span>
 
 #include "facetsort/blend/covered_rows-inl.h"
 #include "facetsort/blend/shading.h"
+#include "facetsort/blend/texture.h"
 #include "facetsort/blend/tile_kernels.h"
 
 HWY_BEFORE_NAMESPACE();
@@ -62,7 +65,9 @@ double distance_along_axis(const ProjectedMesh& projected, std::uint32_t facet, 
 // How a facet is coloured in one tile.
 struct Paint {
   glm::vec4 flat;  // premultiplied, where each facet has one colour
-  Interpolant denominator, colour[4];
+  Interpolant denominator, colour[4], place_in_texture[2];
+  const Texture* texture;
+  const Material* material;
   float light;
 
   // `edges`: in the coordinates of the tile.
@@ -72,16 +77,70 @@ struct Paint {
       const MeshView& mesh = task.projected.mesh;
       light = headlight(mesh, facet, task.projected.view.homogeneous_eye());
       denominator = Interpolant::of(edges, 1, 1, 1);
+      const glm::vec4 c0 = corner_colour(mesh, facet, 0), c1 = corner_colour(mesh, facet, 1),
+                      c2 = corner_colour(mesh, facet, 2);
+      for (int k = 0; k < 4; ++k) colour[k] = Interpolant::of(edges, c0[k], c1[k], c2[k]);
+      material = material_of(mesh, facet);
+      texture = texture_of(mesh, facet);
+      if (texture == nullptr) return;
       const glm::uvec3& t = mesh.triangles[facet];
-      const auto& colours = mesh.vertex_colours;
-      for (int k = 0; k < 4; ++k) {
-        colour[k] = Interpolant::of(edges, colours[t[0]][k], colours[t[1]][k], colours[t[2]][k]);
-      }
+      const std::span<const glm::vec2> at = mesh.texture_coordinates;
+      for (int k = 0; k < 2; ++k) place_in_texture[k] = Interpolant::of(edges, at[t[0]][k], at[t[1]][k], at[t[2]][k]);
     } else {
       flat = task.colours[facet];
+      material = material_of(task.projected.mesh, facet);
     }
   }
 };
+
+// Whether a material leaves fragments out.
+bool is_masked(const Paint& paint) {
+  return paint.material != nullptr && paint.material->alpha_mode == AlphaMode::mask;
+}
+
+// Straight colours of the vector of pixels that starts at (x, y).
+struct PaintColours {
+  hn::VFromD<FloatTag> channel[4];
+};
+
+// Times the texture's at each pixel.
+HWY_INLINE void apply_texture(const Paint& paint, int x, int y, PaintColours& colours) {
+  const FloatTag d;
+  HWY_ALIGN float u[tile_size], v[tile_size], texels[4][tile_size];
+  hn::Store(interpolate(paint.place_in_texture[0], paint.denominator, x, y), d, u);
+  hn::Store(interpolate(paint.place_in_texture[1], paint.denominator, x, y), d, v);
+  for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane) {
+    // Beyond the facet's edges anything may come of the division.
+    const bool is_finite = std::isfinite(u[lane]) && std::isfinite(v[lane]);
+    const glm::vec4 texel = is_finite ? sample(*paint.texture, {u[lane], v[lane]}) : glm::vec4(0);
+    for (int k = 0; k < 4; ++k) texels[k][lane] = texel[k];
+  }
+  const int channels = paint.material->alpha_mode == AlphaMode::opaque ? 3 : 4;
+  for (int k = 0; k < channels; ++k) colours.channel[k] = hn::Mul(colours.channel[k], hn::Load(d, texels[k]));
+}
+
+HWY_INLINE PaintColours paint_colours(const Paint& paint, int x, int y) {
+  const FloatTag d;
+  PaintColours colours;
+  for (int k = 0; k < 4; ++k) colours.channel[k] = interpolate(paint.colour[k], paint.denominator, x, y);
+  if (paint.texture != nullptr) apply_texture(paint, x, y, colours);
+  if (is_masked(paint)) {
+    const auto is_out = hn::Lt(colours.channel[3], hn::Set(d, paint.material->alpha_cutoff));
+    colours.channel[3] = hn::IfThenElse(is_out, hn::Zero(d), hn::Set(d, 1.0f));
+  }
+  return colours;
+}
+
+// The fragments, of the vector of pixels that starts at (x, y), that the material does not leave out.
+template <bool vertex_colours>
+HWY_INLINE hn::Mask<FloatTag> drawn_by_material(const Paint& paint, int x, int y) {
+  const FloatTag d;
+  if constexpr (vertex_colours) {
+    return hn::Gt(paint_colours(paint, x, y).channel[3], hn::Zero(d));
+  } else {
+    return hn::Gt(hn::Set(d, paint.flat.a), hn::Zero(d));
+  }
+}
 
 // Calls blend(channel, source, transparency) for the four channels of the vector of pixels that starts at (x, y), the
 // source premultiplied and in units of the format.
@@ -90,11 +149,12 @@ HWY_INLINE void blend_paint(const Paint& paint, float channel_scale, int x, int 
   const FloatTag d;
   const auto scale = hn::Set(d, channel_scale);
   if constexpr (vertex_colours) {
-    const auto alpha = interpolate(paint.colour[3], paint.denominator, x, y);
+    const PaintColours colours = paint_colours(paint, x, y);
+    const auto alpha = colours.channel[3];
     const auto transparency = hn::Sub(hn::Set(d, 1.0f), alpha);
     const auto factor = hn::Mul(hn::Mul(alpha, hn::Set(d, paint.light)), scale);
     for (int k = 0; k < 3; ++k) {
-      blend(k, hn::Mul(interpolate(paint.colour[k], paint.denominator, x, y), factor), transparency);
+      blend(k, hn::Mul(colours.channel[k], factor), transparency);
     }
     blend(3, hn::Mul(alpha, scale), transparency);
   } else {

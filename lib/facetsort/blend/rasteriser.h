@@ -24,6 +24,12 @@ struct DrawPass {
   bool colour_write = true;  // premultiplied source-over
 };
 
+// Facets and pieces drawn with one state, in their order.
+struct DrawBatch {
+  std::span<const std::uint32_t> order;
+  DrawPass pass;
+};
+
 // Order-independent transparency by passes over the geometry, each of which keeps the next layers of every pixel, until
 // nothing is left in any. Layers at the same float32 depth of a pixel can't be told apart: all but one are lost.
 enum class Peeling {
@@ -57,11 +63,17 @@ class Rasteriser {
   // Clears `image` to `clear_colour` (premultiplied), of the view's size and `format`, and runs the passes.
   // `order`: draw ids (see Pieces) in draw order: facets and, where there are any, pieces of them; all or some;
   // repeated ids are drawn again.
-  // `colours`: premultiplied colour of each facet by id (see facet_colours), or empty to shade with the mesh's vertex
-  // colours, which must then be there.
+  // `colours`: premultiplied colour of each facet by id (see facet_colours), or empty to shade each fragment (see
+  // fragment_colour), which a mesh without colours and materials can't. Facets of single-sided materials are not drawn
+  // where they are seen from behind; neither colour nor depth is written where a material leaves a fragment out.
   DrawStatistics draw(const MeshView& mesh, const View& view, std::span<const std::uint32_t> order,
                       std::span<const glm::vec4> colours, std::span<const DrawPass> passes,
                       const glm::vec4& clear_colour, PixelFormat format, Image& image, const Pieces& pieces = {});
+
+  // The same, batch after batch, over one depth buffer. The spans must hold still until it returns.
+  DrawStatistics draw(const MeshView& mesh, const View& view, std::span<const DrawBatch> batches,
+                      std::span<const glm::vec4> colours, const glm::vec4& clear_colour, PixelFormat format,
+                      Image& image, const Pieces& pieces = {});
 
   // The same by depth peeling; the order only decides between layers at one depth. Every pass draws all of the picture,
   // as a graphics interface's passes do, however few of its pixels have layers left; only projecting is done once.

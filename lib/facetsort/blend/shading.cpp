@@ -7,6 +7,7 @@
 
 #include "facetsort/base/parallel.h"
 #include "facetsort/blend/facet_kernels.h"
+#include "facetsort/blend/texture.h"
 
 namespace facetsort {
 namespace {
@@ -43,8 +44,17 @@ inline glm::vec4 premultiplied(const glm::vec4& straight, float light) {
   return {straight.r * scale, straight.g * scale, straight.b * scale, straight.a};
 }
 
+// With alpha as the mode has it; of an opaque material, corner_colour() sees to that.
+glm::vec4 masked(const Material& material, glm::vec4 straight) {
+  if (material.alpha_mode == AlphaMode::mask) straight.a = straight.a < material.alpha_cutoff ? 0.0f : 1.0f;
+  return straight;
+}
+
 inline glm::vec4 lit_facet(const MeshView& mesh, std::uint32_t facet, const glm::dvec4& eye) {
-  const glm::vec4 straight = mesh.facet_colours.empty() ? default_facet_colour(facet) : mesh.facet_colours[facet];
+  const Material* material = material_of(mesh, facet);
+  const glm::vec4 straight = material != nullptr          ? masked(*material, corner_colour(mesh, facet, 0))
+                             : mesh.facet_colours.empty() ? default_facet_colour(facet)
+                                                          : mesh.facet_colours[facet];
   return premultiplied(straight, light_on(mesh, facet, eye));
 }
 
@@ -63,6 +73,27 @@ std::array<double, 3> barycentric(const MeshView& mesh, std::uint32_t facet, con
 }
 
 }  // namespace
+
+bool has_one_colour_per_facet(const MeshView& mesh) {
+  if (mesh.facet_colours.empty() && !mesh.vertex_colours.empty()) return false;
+  return mesh.facet_materials.empty() ||
+         std::none_of(mesh.materials.begin(), mesh.materials.end(),
+                      [](const Material& material) { return material.texture != Material::no_texture; });
+}
+
+glm::vec4 corner_colour(const MeshView& mesh, std::uint32_t facet, int corner) {
+  glm::vec4 colour(1);
+  if (!mesh.facet_colours.empty()) {
+    colour = mesh.facet_colours[facet];
+  } else if (!mesh.vertex_colours.empty()) {
+    colour = mesh.vertex_colours[mesh.triangles[facet][corner]];
+  }
+  const Material* material = material_of(mesh, facet);
+  if (material == nullptr) return colour;
+  colour *= material->base_colour;
+  if (material->alpha_mode == AlphaMode::opaque) colour.a = 1;
+  return colour;
+}
 
 glm::vec4 default_facet_colour(std::uint32_t facet) {
   // [0, 6): red, yellow, green, ... red; 16 bits, so that all that follows is exact.
@@ -83,16 +114,31 @@ glm::vec4 facet_colour(const MeshView& mesh, std::uint32_t facet, const glm::vec
 glm::vec4 fragment_colour(const MeshView& mesh, std::uint32_t facet, const Ray& ray, const glm::vec4& homogeneous_eye) {
   if (has_one_colour_per_facet(mesh)) return facet_colour(mesh, facet, homogeneous_eye);
   const std::array<double, 3> weight = barycentric(mesh, facet, ray);
-  glm::dvec4 straight(0);
-  for (int i = 0; i < 3; ++i) straight += weight[i] * glm::dvec4(mesh.vertex_colours[mesh.triangles[facet][i]]);
-  return premultiplied(glm::vec4(straight), headlight(mesh, facet, homogeneous_eye));
+  glm::dvec4 sum(0);
+  for (int i = 0; i < 3; ++i) sum += weight[i] * glm::dvec4(corner_colour(mesh, facet, i));
+  glm::vec4 straight(sum);
+  if (const Texture* texture = texture_of(mesh, facet)) {
+    glm::dvec2 at(0);
+    for (int i = 0; i < 3; ++i) at += weight[i] * glm::dvec2(mesh.texture_coordinates[mesh.triangles[facet][i]]);
+    const glm::vec4 texel = sample(*texture, at);
+    const bool opaque = material_of(mesh, facet)->alpha_mode == AlphaMode::opaque;
+    straight *= opaque ? glm::vec4(glm::vec3(texel), 1) : texel;
+  }
+  if (const Material* material = material_of(mesh, facet)) straight = masked(*material, straight);
+  return premultiplied(straight, headlight(mesh, facet, homogeneous_eye));
 }
 
 void facet_colours(const MeshView& mesh, const glm::vec4& homogeneous_eye, std::vector<glm::vec4>& colours) {
   assert(has_one_colour_per_facet(mesh));
   colours.resize(mesh.facet_count());
   parallel_ranges(mesh.facet_count(), facets_per_task, [&](std::size_t begin, std::size_t end) {
-    blend_internal::colour_facets(mesh, homogeneous_eye, begin, end, colours.data() + begin);
+    if (mesh.facet_materials.empty()) {
+      blend_internal::colour_facets(mesh, homogeneous_eye, begin, end, colours.data() + begin);
+      return;
+    }
+    for (std::size_t facet = begin; facet < end; ++facet) {
+      colours[facet] = lit_facet(mesh, static_cast<std::uint32_t>(facet), glm::dvec4(homogeneous_eye));
+    }
   });
 }
 

@@ -15,10 +15,23 @@ inline constexpr float default_alpha = 0.5f;
 // Opaque black, premultiplied.
 inline constexpr glm::vec4 background{0, 0, 0, 1};
 
-// Whether each facet has one colour: its own, or the default for a mesh without colours. Vertex colours count only
-// where there are no facet colours.
-inline bool has_one_colour_per_facet(const MeshView& mesh) {
-  return !mesh.facet_colours.empty() || mesh.vertex_colours.empty();
+// Whether each facet has one colour: its own, its material's or the default for a mesh without either. Vertex colours
+// count only where there are no facet colours.
+bool has_one_colour_per_facet(const MeshView& mesh);
+
+// Linear RGB and straight alpha at a corner (0, 1 or 2), before any texture: the facet's or the vertex's colour, or
+// white, times the material's; alpha 1 where the material is opaque. Precondition: the mesh has colours or materials.
+glm::vec4 corner_colour(const MeshView& mesh, std::uint32_t facet, int corner);
+
+// A facet's material, or null.
+inline const Material* material_of(const MeshView& mesh, std::uint32_t facet) {
+  return mesh.facet_materials.empty() ? nullptr : &mesh.materials[mesh.facet_materials[facet]];
+}
+
+// The texture of a facet's material, or null.
+inline const Texture* texture_of(const MeshView& mesh, std::uint32_t facet) {
+  const Material* material = material_of(mesh, facet);
+  return material == nullptr || material->texture == Material::no_texture ? nullptr : &mesh.textures[material->texture];
 }
 
 // Linear RGB and straight alpha of a facet in a mesh without colours: one hue a facet, from a hash of its id, so that
@@ -32,8 +45,9 @@ float headlight(const MeshView& mesh, std::uint32_t facet, const glm::vec4& homo
 // Premultiplied colour of a facet, lit. Precondition: has_one_colour_per_facet(mesh).
 glm::vec4 facet_colour(const MeshView& mesh, std::uint32_t facet, const glm::vec4& homogeneous_eye);
 
-// Premultiplied colour where `ray` meets a facet: facet_colour, or the vertex colours interpolated in perspective
-// (barycentric coordinates in double from the float32 corners; straight alpha is interpolated, then premultiplied).
+// Premultiplied colour where `ray` meets a facet: facet_colour, or the corners' colours interpolated in perspective
+// (barycentric coordinates in double from the float32 corners; straight alpha is interpolated) times the texture's,
+// then premultiplied. Where a material of AlphaMode::mask leaves the fragment out: all 0, which changes nothing.
 glm::vec4 fragment_colour(const MeshView& mesh, std::uint32_t facet, const Ray& ray, const glm::vec4& homogeneous_eye);
 
 // facet_colour of every facet, with its precondition; parallel in the caller's task arena.

@@ -31,6 +31,17 @@ struct TileColours {
   TilePlane channel[4];
 };
 
+// What is drawn so far in one tile; colours in units of the format.
+struct DrawnTile {
+  TileColours colours;
+  TilePlane depths;
+};
+
+// The same as draw_tile, a pass at a time: before the first; one over what the bins have there; after the last.
+void start_drawing(const TileTask& task, DrawnTile& drawn);
+void draw_pass(const TileTask& task, const DrawPass& pass, int tile, DrawnTile& drawn);
+void finish_drawing(const TileTask& task, int tile, const DrawnTile& drawn);
+
 // What depth peeling has found in one tile so far; colours in units of the format.
 struct PeeledTile {
   TileColours front;          // layers peeled from the front, blended

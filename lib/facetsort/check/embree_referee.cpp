@@ -115,7 +115,7 @@ enum class Meeting { miss, cut_off, hit, in_doubt, near_plane };
 struct MeasuredFacet {
   Meeting meeting = Meeting::miss;
   double depth = 0, error = 0;
-  bool is_grazing = false;
+  bool is_grazing = false, is_back = false;
 };
 
 // Where a ray meets a facet, in double, with certainty or with a doubt.
@@ -171,6 +171,7 @@ MeasuredFacet measure(const MeshView& mesh, std::uint32_t facet, const FramedRay
     return measured;
   }
 
+  measured.is_back = sum > 0;  // counter-clockwise as seen along the ray, in the right-handed frame
   const double range = highest - lowest;
   const double above_lowest = (edge[0] * (t[0] - lowest) + edge[1] * (t[1] - lowest) + edge[2] * (t[2] - lowest)) / sum;
   const double certain_sum = std::abs(sum) - 3 * edge_error;
@@ -266,6 +267,7 @@ class RayCaster {
         break;
       case Meeting::hit:
         if (!hit_by_embree) break;
+        if (measured.is_back && is_single_sided(state_.mesh, facet)) return Judgement::judged;
         hits_.push_back({facet, std::nextafter(static_cast<float>(measured.error), std::numeric_limits<float>::max()),
                          measured.depth});
         return Judgement::judged;

@@ -20,7 +20,7 @@ enum class Wrap { repeat, mirrored_repeat, clamp_to_edge };
 // texture coordinates, whose origin is the picture's upper left corner.
 struct Texture {
   int width = 0, height = 0;
-  std::vector<glm::vec4> texels;  // linear RGB, straight alpha, row after row, the upper first
+  std::vector<glm::vec4> texels{};  // linear RGB, straight alpha, row after row, the upper first
   Wrap wrap_u = Wrap::repeat, wrap_v = Wrap::repeat;
 };
 

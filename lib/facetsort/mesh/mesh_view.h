@@ -32,4 +32,9 @@ struct MeshView {
   glm::vec3 corner(std::size_t facet, int i) const { return positions[triangles[facet][i]]; }
 };
 
+// Whether a facet is drawn only where it is seen from the front.
+inline bool is_single_sided(const MeshView& mesh, std::size_t facet) {
+  return !mesh.facet_materials.empty() && !mesh.materials[mesh.facet_materials[facet]].double_sided;
+}
+
 }  // namespace facetsort
