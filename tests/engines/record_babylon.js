@@ -23,7 +23,8 @@ async function load(folder) {
 class Recorder {
   constructor(babylon) {
     this.babylon = babylon;
-    this.engine = new babylon.NullEngine();
+    // In float32 matrices positions that nearly tie would be equal.
+    this.engine = new babylon.NullEngine(Object.assign(new babylon.NullEngineOptions(), { useHighPrecisionMatrix: true }));
     // NullEngine draws nothing and keeps less state; what decides the depth mask is the WebGL engine's own.
     this.engine.setAlphaMode = function (...parameters) {
       this._gl = {};  // release 7 looks up blend factors in it
@@ -121,9 +122,10 @@ class Recorder {
     mesh.alwaysSelectAsActiveMesh = true;
   }
 
-  #camera(random, scene) {
+  #camera(random, scene, coordinates) {
     const camera = new this.babylon.FreeCamera('', this.babylon.Vector3.Zero(), scene);
-    const position = random.pick([[0, 0, 0], [0, 0, 0], [0, 0, -8], [3, -2, 5]]);
+    // Seen from where its coordinates are equal, a point and its permutations are nearly as far.
+    const position = coordinates === 'sphere' ? [0.3, 0.3, 0.3] : random.pick([[0, 0, 0], [0, 0, -8], [3, -2, 5]]);
     camera.position.set(...position);
     camera.setTarget(new this.babylon.Vector3(...random.pick([[0, 0, 100], [1, 2, -3]])));
     if (random.chance(0.5)) camera.mode = this.babylon.Camera.ORTHOGRAPHIC_CAMERA;
@@ -151,11 +153,11 @@ class Recorder {
     const groups = random.pick([4, 4, 4, 6]);
     RenderingManager.MAX_RENDERINGGROUPS = groups;
     const scene = new Scene(this.engine);
-    const coordinates = random.coordinates();
+    const coordinates = random.chance(0.2) ? 'sphere' : random.coordinates();
     const materials = Array.from({ length: random.integer(1, 8) }, () => this.#material(random, scene));
     const materialChance = random.chance(0.9) ? 1 : 0.7;
     for (let i = random.integer(2, 26); i > 0; --i) this.#mesh(random, scene, coordinates, materials, materialChance);
-    const camera = this.#camera(random, scene);
+    const camera = this.#camera(random, scene, coordinates);
     const settings = this.#settings(random, scene, groups);
 
     scene.render();  // asks for the shaders

@@ -29,6 +29,8 @@ globalThis.OffscreenCanvas = class {
 const galacean = await import('./node_modules/@galacean/engine-core/dist/module.js');
 const { Vector3 } = await import('@galacean/engine-math');
 
+const cutoffMacro = galacean.ShaderMacro.getByName('MATERIAL_IS_ALPHA_CUTOFF');
+
 const mock = new WebGLMock();
 mock.culling = mock.depthTest = true;  // the state in which the engine expects to find a device
 const hardware = inert({
@@ -117,7 +119,13 @@ function recordScene(random) {
     const item = subMeshes.indexOf(subPrimitive);
     if (item < 0) return;  // the picture as a whole
     draws.push(
-      drawText({ item, faces: mock.faces(), noDepthWrite: !mock.depthWrite, noDepthTest: !mock.depthTest }),
+      drawText({
+        item,
+        faces: mock.faces(engine._renderContext.flipProjection),
+        noDepthWrite: !mock.depthWrite,
+        noDepthTest: !mock.depthTest,
+        alphaTest: materials[items[item][0]].shaderData._macroCollection.isEnable(cutoffMacro),
+      }),
     );
   };
   engine.update();

@@ -6,7 +6,7 @@ import { drawText, packageVersion, writeFixture } from './fixture.js';
 import { Random } from './random.js';
 import { WebGLMock } from './webgl_mock.js';
 
-const SCENES = 520;
+const SCENES = 510;
 
 // Comparators that a user might set; tests/scene/three_fixture_test.cpp has the same by name.
 const comparators = {
@@ -60,7 +60,7 @@ function randomScene(random) {
     parents.push(group);
   }
   const turned = random.chance(0.15);
-  const meshes = Array.from({ length: random.integer(2, 22) }, () => {
+  const meshes = Array.from({ length: random.integer(2, 21) }, () => {
     const two = random.chance(0.15);
     const mesh = new THREE.Mesh(
       random.pick(geometries),

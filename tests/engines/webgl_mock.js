@@ -66,9 +66,9 @@ export class WebGLMock {
     };
   }
 
-  // What is drawn where no object is mirrored: back faces, front faces or all.
-  faces() {
+  // What is drawn where no object is mirrored: back faces, front faces or all. `flipped`: the picture is upside down.
+  faces(flipped = false) {
     if (!this.culling) return 'a';
-    return this.frontIsClockwise === this.cullsFronts ? 'f' : 'b';
+    return (this.frontIsClockwise === flipped) === this.cullsFronts ? 'b' : 'f';
   }
 }

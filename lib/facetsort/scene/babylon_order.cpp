@@ -135,6 +135,7 @@ bool babylon_needs_alpha_blending(const BabylonSubMesh& sub_mesh, BabylonTranspa
 bool babylon_needs_alpha_testing(const BabylonSubMesh& sub_mesh, BabylonTransparencyRule rule) {
   const std::optional<Mode>& mode = sub_mesh.material.transparency_mode;
   if (mode && rule == BabylonTransparencyRule::mode_first) return tests(*mode);
+  if (mode == Mode::alpha_test_and_blend) return true;
   if (babylon_needs_alpha_blending(sub_mesh, rule)) return false;
   return has_alpha_channel(sub_mesh.material) && mode.value_or(Mode::alpha_test) == Mode::alpha_test;
 }

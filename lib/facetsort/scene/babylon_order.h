@@ -23,7 +23,7 @@ inline constexpr int babylon_alpha_disable = 0, babylon_alpha_combine = 2;
 // A StandardMaterial, as far as the order reads it, with its defaults.
 struct BabylonMaterial {
   double alpha = 1;
-  std::optional<BabylonTransparencyMode> transparency_mode;  // unset: from what follows
+  std::optional<BabylonTransparencyMode> transparency_mode = {};  // unset: from what follows
   bool diffuse_texture_has_alpha = false;
   bool use_alpha_from_diffuse_texture = false;  // to blend by it; otherwise it is tested
   bool has_opacity_texture = false;
@@ -39,9 +39,9 @@ struct BabylonMaterial {
 
 // A sub-mesh and what it has from its mesh.
 struct BabylonSubMesh {
-  BabylonMaterial material;
+  BabylonMaterial material = {};
   std::uint32_t mesh_unique_id = 0;
-  std::optional<std::uint32_t> mesh_material_unique_id;  // of mesh.material, a MultiMaterial maybe; unset: it has none
+  std::optional<std::uint32_t> mesh_material_unique_id = {};  // of mesh.material (a MultiMaterial's own), if any
   std::uint32_t rendering_group_id = 0;
   double alpha_index = std::numeric_limits<double>::max();
   double visibility = 1;
@@ -52,13 +52,13 @@ struct BabylonSubMesh {
 // Which of two statements about a material wins.
 enum class BabylonTransparencyRule {
   mode_first,        // a transparency mode that is set (8.0.0 and later; recorded from 9.34.0)
-  visibility_first,  // mesh.visibility below 1 blends, whatever the mode; and a mode does not make a material blend that
-                     // has no reason to, nor test an alpha that it has not got (recorded from 7.0.0)
+  visibility_first,  // mesh.visibility below 1 blends, whatever the mode; a mode that blends, or alpha_test, only lets a
+                     // material do so that has an alpha for it (recorded from 7.0.0)
 };
 
 // Visibility below 1 forces blending and turns alpha test off (under mode_first: where no mode is set).
 bool babylon_needs_alpha_blending(const BabylonSubMesh& sub_mesh, BabylonTransparencyRule rule);
-// Under mode_first true together with blending for alpha_test_and_blend.
+// True together with blending for alpha_test_and_blend, and for nothing else.
 bool babylon_needs_alpha_testing(const BabylonSubMesh& sub_mesh, BabylonTransparencyRule rule);
 
 enum class BabylonCategory { opaque, alpha_test, transparent };
@@ -90,7 +90,9 @@ struct BabylonRenderingGroup {
   bool auto_clear_depth = true;  // before it is drawn, but for group 0
   // setRenderingOrder; empty: painter for opaque and for alpha test, default_transparent for transparent. That of alpha
   // test sorts the depth pre-pass, too.
-  BabylonComparator opaque_sort_compare, alpha_test_sort_compare, transparent_sort_compare;
+  BabylonComparator opaque_sort_compare = {};
+  BabylonComparator alpha_test_sort_compare = {};
+  BabylonComparator transparent_sort_compare = {};
 };
 
 struct BabylonScene {

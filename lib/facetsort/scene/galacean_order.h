@@ -19,13 +19,14 @@ struct GalaceanMaterial {
   bool is_transparent = false;
   double alpha_cutoff = 0;  // 0: nothing is discarded
   GalaceanRenderFace render_face = GalaceanRenderFace::front;
-  std::optional<bool> depth_write;  // depthState.writeEnabled; unset: as isTransparent leaves it, off if transparent
-  bool depth_test = true;           // depthState.enabled
+  // depthState.writeEnabled; unset: as isTransparent leaves it, off if transparent
+  std::optional<bool> depth_write = {};
+  bool depth_test = true;  // depthState.enabled
 };
 
 // A sub-mesh of a renderer.
 struct GalaceanItem {
-  GalaceanMaterial material;
+  GalaceanMaterial material = {};
   double priority = 0;                   // of the renderer; smaller is drawn first
   glm::dvec3 bounds_min{0}, bounds_max{0};  // of the renderer, in world space
 };
@@ -59,8 +60,9 @@ double galacean_compare_for_transparent(const GalaceanElement& a, const Galacean
 
 // The draws of a frame: the opaque queue, alpha test, transparent, each item once. Items are given in the order in which
 // the pipeline pushes them, which is from the renderer last added to the scene to the first; sub-meshes of a renderer
-// follow each other. Ties: the earlier item first. That is what the engine does with up to ten renderers in a queue;
-// above, its quicksort leaves ties in no order that it promises. Allocates; safe from several threads at once.
+// follow each other. Ties: the earlier item first. That is what the engine does with up to ten renderers in a queue
+// (where transparent ones count in the alpha-test queue, too: it draws their shadows); above, its quicksort leaves ties
+// in no order that it promises. Allocates; safe from several threads at once.
 std::vector<ObjectDraw> galacean_draw_order(std::span<const GalaceanItem> items, const GalaceanCamera& camera);
 
 }  // namespace facetsort

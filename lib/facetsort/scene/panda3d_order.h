@@ -34,14 +34,14 @@ std::vector<Panda3DBin> panda3d_default_bins();
 
 // A Geom and the render attributes that it ended up with.
 struct Panda3DItem {
-  std::optional<std::string> bin;  // set_bin(name, draw_order); unset: "transparent" or "opaque", by transparency
-  int draw_order = 0;              // of set_bin; read in bins of type fixed
-  bool transparency = false;       // set_transparency
-  std::uint32_t state = 0;         // numbers the render states; equal ones are drawn together in state-sorted bins
-  glm::dvec3 bounds_centre{0};     // of the bounding volume, in world space
-  bool depth_test = true;          // set_depth_test
-  bool depth_write = true;         // set_depth_write; nothing but this turns it off
-  bool two_sided = false;          // set_two_sided
+  std::optional<std::string> bin = {};  // set_bin(name, draw_order); unset: transparent or opaque, by transparency
+  int draw_order = 0;                   // of set_bin; read in bins of type fixed
+  bool transparency = false;            // set_transparency
+  std::uint32_t state = 0;              // numbers render states; a state-sorted bin draws equal ones together
+  glm::dvec3 bounds_centre{0};          // of the bounding volume, in world space
+  bool depth_test = true;               // set_depth_test
+  bool depth_write = true;              // set_depth_write; nothing but this turns it off
+  bool two_sided = false;               // set_two_sided
 };
 
 struct Panda3DCamera {

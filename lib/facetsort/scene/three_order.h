@@ -34,7 +34,7 @@ struct ThreeItem {
   double render_order = 0;  // of the object itself
   glm::dmat4 matrix_world{1};
   glm::dvec3 bounding_sphere_centre{0};  // of its geometry, in its own space
-  ThreeMaterial material;
+  ThreeMaterial material = {};
 };
 
 struct ThreeCamera {
@@ -71,9 +71,9 @@ double three_reverse_painter_sort_stable(const ThreeRenderItem& a, const ThreeRe
 
 // Of the WebGLRenderer.
 struct ThreeSettings {
-  bool sort_objects = true;          // off: each list in the order of the scene graph
-  ThreeComparator opaque_sort;       // setOpaqueSort; empty: three_painter_sort_stable
-  ThreeComparator transparent_sort;  // setTransparentSort, of both other lists; empty: the reverse
+  bool sort_objects = true;               // off: each list in the order of the scene graph
+  ThreeComparator opaque_sort = {};       // setOpaqueSort; empty: three_painter_sort_stable
+  ThreeComparator transparent_sort = {};  // setTransparentSort, of both other lists; empty: the reverse
 };
 
 // The draws of a frame. Where something transmits, first a transmission pass: the opaque list, then the back faces of
