@@ -24,7 +24,8 @@ class Recorder {
   constructor(babylon) {
     this.babylon = babylon;
     // In float32 matrices positions that nearly tie would be equal.
-    this.engine = new babylon.NullEngine(Object.assign(new babylon.NullEngineOptions(), { useHighPrecisionMatrix: true }));
+    const options = Object.assign(new babylon.NullEngineOptions(), { useHighPrecisionMatrix: true });
+    this.engine = new babylon.NullEngine(options);
     // NullEngine draws nothing and keeps less state; what decides the depth mask is the WebGL engine's own.
     this.engine.setAlphaMode = function (...parameters) {
       this._gl = {};  // release 7 looks up blend factors in it

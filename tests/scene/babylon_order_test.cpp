@@ -43,7 +43,9 @@ TEST(BabylonOrder, FindsTheCategory) {
       {{.material = {.transparency_mode = Mode::opaque}, .visibility = 0.5}, opaque, transparent},
       {{.material = {.transparency_mode = Mode::alpha_test}, .visibility = 0.5}, alpha_test, transparent},
       {{.material = {.transparency_mode = Mode::alpha_test}}, alpha_test, opaque},
-      {{.material = {.transparency_mode = Mode::alpha_test, .diffuse_texture_has_alpha = true}}, alpha_test, alpha_test},
+      {{.material = {.transparency_mode = Mode::alpha_test, .diffuse_texture_has_alpha = true}},
+       alpha_test,
+       alpha_test},
       {{.material = {.transparency_mode = Mode::alpha_blend}}, transparent, opaque},
       {{.material = {.alpha = 0.5, .transparency_mode = Mode::alpha_blend}}, transparent, transparent},
       {{.material = {.transparency_mode = Mode::alpha_test_and_blend}}, transparent, alpha_test, true, true},
@@ -65,7 +67,8 @@ TEST(BabylonOrder, FindsTheCategory) {
 TEST(BabylonOrder, MeasuresStraightToTheCentre) {
   EXPECT_EQ(babylon_distance_to_camera({.bounding_sphere_centre_world = {1, 5, -2}}, {1, 2, 2}), 5);
   // Squares that differ in their last bit have the same root, and tie.
-  const BabylonSubMesh a{.bounding_sphere_centre_world = {1 + 0x1p-52, 0, 0}}, b{.bounding_sphere_centre_world = {1, 0x1p-27, 0}};
+  const BabylonSubMesh a{.bounding_sphere_centre_world = {1 + 0x1p-52, 0, 0}},
+      b{.bounding_sphere_centre_world = {1, 0x1p-27, 0}};
   EXPECT_GT(babylon_distance_to_camera(a, {}), 1);
   EXPECT_EQ(babylon_distance_to_camera(b, {}), 1);
 }
@@ -102,8 +105,8 @@ BabylonSubMesh at(double z, const BabylonMaterial& material, std::uint32_t mater
 const BabylonMaterial glass{.alpha = 0.5}, leaves{.transparency_mode = Mode::alpha_test}, stone;
 
 TEST(BabylonOrder, DrawsACategoryAfterTheOther) {
-  const std::vector<BabylonSubMesh> sub_meshes{at(1, glass), at(2, leaves, 3), at(3, glass), at(1, stone, 2),
-                                               at(2, stone, 1), at(9, leaves, 2)};
+  const std::vector<BabylonSubMesh> sub_meshes{at(1, glass),    at(2, leaves, 3), at(3, glass),
+                                               at(1, stone, 2), at(2, stone, 1),  at(9, leaves, 2)};
   EXPECT_EQ(text_of(babylon_draw_order(sub_meshes, {})), "4f 3f 5fk 1fk 2fw 0fw");
 }
 
@@ -162,7 +165,7 @@ TEST(BabylonOrder, DrawsGroupsInTurnAndClearsDepthBetweenThem) {
 }
 
 TEST(BabylonOrder, SortsEachQueueByItsOwnComparator) {
-  const std::vector<BabylonSubMesh> sub_meshes{at(1, stone), at(2, stone),  at(1, leaves),
+  const std::vector<BabylonSubMesh> sub_meshes{at(1, stone),  at(2, stone), at(1, leaves),
                                                at(2, leaves), at(1, glass), at(2, glass)};
   const BabylonComparator last_first = [](const auto& a, const auto& b) { return double(b.item) - a.item; };
   const auto drawn = [&](BabylonComparator BabylonRenderingGroup::*queue) {
@@ -294,12 +297,41 @@ Counts agreement(const std::string& fixture, Rule rule) {
     if (!custom) count_pairs(sub_meshes, scene, counts);
     for (const char flag : draws) ++counts[std::string(1, flag)];
   }
-  for (const char* happening :
-       {"perspective", "orthographic", "custom opaque", "custom alpha test", "custom transparent", "no mode", "mode 0",
-        "mode 1", "mode 2", "mode 3", "group 0", "group 1", "group 2", "group 3", "group 5", "in no group", "category 0",
-        "category 1", "category 2", "visibility below 1", "no material", "material ties", "material decides",
-        "alpha index ties", "alpha index decides", "distance ties", "distance decides", "distance nearly ties", "a",
-        "b", "f", "p", "w", "c", "k"}) {
+  for (const char* happening : {"perspective",
+                                "orthographic",
+                                "custom opaque",
+                                "custom alpha test",
+                                "custom transparent",
+                                "no mode",
+                                "mode 0",
+                                "mode 1",
+                                "mode 2",
+                                "mode 3",
+                                "group 0",
+                                "group 1",
+                                "group 2",
+                                "group 3",
+                                "group 5",
+                                "in no group",
+                                "category 0",
+                                "category 1",
+                                "category 2",
+                                "visibility below 1",
+                                "no material",
+                                "material ties",
+                                "material decides",
+                                "alpha index ties",
+                                "alpha index decides",
+                                "distance ties",
+                                "distance decides",
+                                "distance nearly ties",
+                                "a",
+                                "b",
+                                "f",
+                                "p",
+                                "w",
+                                "c",
+                                "k"}) {
     EXPECT_GE(counts[happening], 10) << happening;
   }
   return counts;

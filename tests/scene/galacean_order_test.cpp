@@ -51,8 +51,8 @@ GalaceanItem item_at(double z, const GalaceanMaterial& material) {
 
 TEST(GalaceanOrder, DrawsTheQueuesOneAfterTheOther) {
   const GalaceanMaterial glass{.is_transparent = true}, leaves{.alpha_cutoff = 0.5};
-  const std::vector<GalaceanItem> items{item_at(-1, glass), item_at(-3, leaves), item_at(-2, leaves), item_at(-9, {}),
-                                        item_at(-8, {}), item_at(-5, glass)};
+  const std::vector<GalaceanItem> items{item_at(-1, glass), item_at(-3, leaves), item_at(-2, leaves),
+                                        item_at(-9, {}),    item_at(-8, {}),     item_at(-5, glass)};
   EXPECT_EQ(text_of(galacean_draw_order(items, {})), "4f 3f 2fk 1fk 5fw 0fw");
 }
 
@@ -102,11 +102,13 @@ struct RecordedScene {
       items.push_back({.material = {.is_transparent = material.at(0),
                                     .alpha_cutoff = material.at(1),
                                     .render_face = faces[material.at(2).get<std::size_t>()],
-                                    .depth_write = material.at(3).get<bool>(),
                                     .depth_test = material.at(4)},
                        .priority = item.at(1),
                        .bounds_min = vector_of(item.at(2)),
                        .bounds_max = vector_of(item.at(3))});
+      // Given only where the material says other than what its transparency left.
+      const bool transparent = material.at(0), depth_write = material.at(3);
+      if (depth_write == transparent) items.back().material.depth_write = depth_write;
       const GalaceanQueue queue = galacean_queue(items.back().material);
       const double distance = galacean_distance_for_sort(items.back(), camera);
       EXPECT_EQ(distance, item.at(4).get<double>());
@@ -156,7 +158,8 @@ TEST(GalaceanOrder, AgreesWithRecordedScenes) {
       const auto [queue, priority, distance] = scene.key_of(ours[i]);
       const auto [last_queue, last_priority, last_distance] = scene.key_of(ours[i - 1]);
       if (queue != last_queue) continue;
-      const std::string name = "queue " + std::to_string(int(queue)) + (scene.queue_sizes.at(queue) > 10 ? " long" : "");
+      const std::string name =
+          "queue " + std::to_string(int(queue)) + (scene.queue_sizes.at(queue) > 10 ? " long" : "");
       ++counts[name + (priority == last_priority ? " priority ties" : " priority decides")];
       if (priority != last_priority) continue;
       const double difference = std::abs(distance - last_distance);

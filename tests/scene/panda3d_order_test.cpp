@@ -90,8 +90,8 @@ TEST(Panda3DOrder, TakesExtraBins) {
   bins.push_back({"glow", 25, Panda3DBinType::back_to_front});
   bins.push_back({"sky", -5, Panda3DBinType::unsorted});
   bins.push_back({"also 25", 25, Panda3DBinType::unsorted});
-  EXPECT_EQ(drawn({in_bin("also 25"), in_bin("transparent"), in_bin("glow", 0, 1), in_bin("glow", 0, 2), in_bin("opaque"),
-                   in_bin("sky")},
+  EXPECT_EQ(drawn({in_bin("also 25"), in_bin("transparent"), in_bin("glow", 0, 1), in_bin("glow", 0, 2),
+                   in_bin("opaque"), in_bin("sky")},
                   {}, bins),
             "5f 4f 3f 2f 0f 1f");
 }

@@ -2,11 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 #include <map>
-#include <set>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "scene/fixture.h"
@@ -195,10 +194,29 @@ TEST(ThreeOrder, AgreesWithRecordedScenes) {
       count_pairs(items, camera, counts);
     }
   }
-  for (const char* happening :
-       {"perspective", "orthographic", "unsorted", "custom opaque", "custom transparent", "list 0", "list 1", "list 2",
-        "group order ties", "group order decides", "render order ties", "render order decides", "z ties",
-        "z nearly ties", "z decides", "id ties", "id decides", "a", "b", "f", "w", "t", "T"}) {
+  for (const char* happening : {"perspective",
+                                "orthographic",
+                                "unsorted",
+                                "custom opaque",
+                                "custom transparent",
+                                "list 0",
+                                "list 1",
+                                "list 2",
+                                "group order ties",
+                                "group order decides",
+                                "render order ties",
+                                "render order decides",
+                                "z ties",
+                                "z nearly ties",
+                                "z decides",
+                                "id ties",
+                                "id decides",
+                                "a",
+                                "b",
+                                "f",
+                                "w",
+                                "t",
+                                "T"}) {
     EXPECT_GE(counts[happening], 20) << happening;
   }
 }

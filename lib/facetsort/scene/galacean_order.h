@@ -27,13 +27,13 @@ struct GalaceanMaterial {
 // A sub-mesh of a renderer.
 struct GalaceanItem {
   GalaceanMaterial material = {};
-  double priority = 0;                   // of the renderer; smaller is drawn first
+  double priority = 0;                      // of the renderer; smaller is drawn first
   glm::dvec3 bounds_min{0}, bounds_max{0};  // of the renderer, in world space
 };
 
 struct GalaceanCamera {
-  glm::dvec3 position{0};         // in world space
-  glm::dvec3 forward{0, 0, -1};   // unit vector along the view; read if orthographic
+  glm::dvec3 position{0};        // in world space
+  glm::dvec3 forward{0, 0, -1};  // unit vector along the view; read if orthographic
   bool is_orthographic = false;
 };
 
@@ -58,11 +58,11 @@ struct GalaceanElement {
 double galacean_compare_for_opaque(const GalaceanElement& a, const GalaceanElement& b);
 double galacean_compare_for_transparent(const GalaceanElement& a, const GalaceanElement& b);
 
-// The draws of a frame: the opaque queue, alpha test, transparent, each item once. Items are given in the order in which
-// the pipeline pushes them, which is from the renderer last added to the scene to the first; sub-meshes of a renderer
-// follow each other. Ties: the earlier item first. That is what the engine does with up to ten renderers in a queue
-// (where transparent ones count in the alpha-test queue, too: it draws their shadows); above, its quicksort leaves ties
-// in no order that it promises. Allocates; safe from several threads at once.
+// The draws of a frame: the opaque queue, alpha test, transparent, each item once. Items are given in the order in
+// which the pipeline pushes them, which is from the renderer last added to the scene to the first; sub-meshes of a
+// renderer follow each other. Ties: the earlier item first. That is what the engine does with up to ten renderers in a
+// queue (where transparent ones count in the alpha-test queue, too: it draws their shadows); above, its quicksort
+// leaves ties in no order that it promises. Allocates; safe from several threads at once.
 std::vector<ObjectDraw> galacean_draw_order(std::span<const GalaceanItem> items, const GalaceanCamera& camera);
 
 }  // namespace facetsort

@@ -16,9 +16,9 @@ struct ObjectDraw {
   bool colour_write = true;  // off in a depth pre-pass
   bool depth_test = true;
   bool depth_write = true;
-  bool clear_depth = false;       // the depth buffer is cleared just before
+  bool clear_depth = false;        // the depth buffer is cleared just before
   bool transmission_pass = false;  // into the texture that transmissive materials read, not into the picture
-  double alpha_cutoff = 0;        // fragments with less alpha are discarded; 0: none are
+  double alpha_cutoff = 0;         // fragments with less alpha are discarded; 0: none are
 
   bool operator==(const ObjectDraw&) const = default;
 };

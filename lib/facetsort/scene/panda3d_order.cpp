@@ -31,9 +31,8 @@ void sort_bin(Panda3DBinType type, Objects& objects) {
 std::vector<std::size_t> bin_sequence(std::span<const Panda3DBin> bins) {
   std::vector<std::size_t> sequence(bins.size());
   for (std::size_t i = 0; i < bins.size(); ++i) sequence[i] = i;
-  scene_internal::sort_by_comparator(sequence, [&](std::size_t a, std::size_t b) {
-    return static_cast<double>(bins[a].sort) - bins[b].sort;
-  });
+  scene_internal::sort_by_comparator(
+      sequence, [&](std::size_t a, std::size_t b) { return static_cast<double>(bins[a].sort) - bins[b].sort; });
   return sequence;
 }
 
@@ -93,8 +92,7 @@ Result<std::vector<ObjectDraw>> panda3d_draw_order(std::span<const Panda3DItem> 
     if (bin == objects_of.end()) {
       return Status{Fault::bad_argument, "item " + std::to_string(i) + ": no bin named " + panda3d_bin_name(item)};
     }
-    bin->second.push_back(
-        {static_cast<std::uint32_t>(i), item.draw_order, item.state, panda3d_distance(item, camera)});
+    bin->second.push_back({static_cast<std::uint32_t>(i), item.draw_order, item.state, panda3d_distance(item, camera)});
   }
 
   std::vector<ObjectDraw> draws;

@@ -1,6 +1,6 @@
-// The order in which Three.js draws whole objects, r176 (three@0.176.0): src/renderers/webgl/WebGLRenderLists.js and, in
-// src/renderers/WebGLRenderer.js, projectObject, renderTransmissionPass, renderScene and renderObject. Later releases
-// sort by more.
+// The order in which Three.js draws whole objects, r176 (three@0.176.0): src/renderers/webgl/WebGLRenderLists.js and,
+// in src/renderers/WebGLRenderer.js, projectObject, renderTransmissionPass, renderScene and renderObject. Later
+// releases sort by more.
 #pragma once
 
 #include <cstdint>
@@ -66,7 +66,8 @@ using ThreeComparator = std::function<double(const ThreeRenderItem& a, const Thr
 
 // painterSortStable, of the opaque list: group order, render order, material, near to far, id.
 double three_painter_sort_stable(const ThreeRenderItem& a, const ThreeRenderItem& b);
-// reversePainterSortStable, of the transmissive and of the transparent list: group order, render order, far to near, id.
+// reversePainterSortStable, of the transmissive and of the transparent list: group order, render order, far to near,
+// id.
 double three_reverse_painter_sort_stable(const ThreeRenderItem& a, const ThreeRenderItem& b);
 
 // Of the WebGLRenderer.
