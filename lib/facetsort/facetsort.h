@@ -1,4 +1,4 @@
-// The public headers, in pipeline order: mesh, facets, order, exact decisions, blend, check, presort, report.
+// The public headers, in pipeline order: mesh, facets, order, exact decisions, scene, blend, check, presort, report.
 #pragma once
 
 // clang-format off: sorting would lose the pipeline order.
@@ -31,6 +31,12 @@
 #include "facetsort/exact/plane_points.h"
 #include "facetsort/exact/exact_sorter.h"
 #include "facetsort/exact/presort.h"
+
+#include "facetsort/scene/object_draw.h"
+#include "facetsort/scene/galacean_order.h"
+#include "facetsort/scene/babylon_order.h"
+#include "facetsort/scene/three_order.h"
+#include "facetsort/scene/panda3d_order.h"
 
 #include "facetsort/blend/view.h"
 #include "facetsort/blend/shading.h"

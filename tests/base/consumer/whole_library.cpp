@@ -25,6 +25,8 @@ int main() {
   if (renderer.draw(view, PixelFormat::rgba32f, picture).facets_drawn != 4) return 1;
   if (!write_image("tetrahedron.png", picture).ok()) return 1;
 
+  if (three_draw_order(std::array<ThreeItem, 2>{}, {}).size() != 2) return 1;
+
   const Result<EmbreeReferee> referee = EmbreeReferee::create(tetrahedron);
   if (!referee.ok()) return 1;
   const Result<RayHits> hits = referee.value().cast(view);
