@@ -45,7 +45,7 @@ TEST(Strategy, NamesAreDistinctAndKnown) {
   EXPECT_EQ(strategy_from_name("facet_sort:parametric_centre"), strategy_from_name("facet_sort:centroid_depth"));
   EXPECT_EQ(strategy_from_name("facet_sort"), strategy_from_name("facet_sort:centroid_distance"));
   EXPECT_EQ(strategy_from_name("presorted_buffers:12"),
-            (Strategy{.kind = StrategyKind::presorted_buffers, .buffers = 12}));
+            (Strategy{.kind = StrategyKind::presorted_buffers, .number = 12}));
   EXPECT_EQ(strategy_from_name("presorted_buffers:12")->name(), "presorted_buffers:12");
   for (const char* unknown : {"presorted_buffers", "presorted_buffers:", "presorted_buffers:0", "presorted_buffers:1x",
                               "presorted_buffers:-1", "presorted_buffers:1001", "", "sorted", "facet_sort:", "facet_sort:nothing", "unsorted:centroid_depth", "unsorted:"}) {
@@ -63,7 +63,7 @@ TEST(Strategy, PresortedBuffersDrawTheOneForTheDirectionOfTheEye) {
   std::iota(order.begin(), order.end(), 0u);
   buffers.facets = order;
   buffers.facets.insert(buffers.facets.end(), order.rbegin(), order.rend());
-  StrategyRenderer renderer(mesh.view(), {.kind = StrategyKind::presorted_buffers, .buffers = 2}, {.buffers = &buffers});
+  StrategyRenderer renderer(mesh.view(), {.kind = StrategyKind::presorted_buffers, .number = 2}, {.buffers = &buffers});
   for (const bool front : {true, false}) {
     View view = view_of(mesh);
     const glm::vec3 centre = facet_bounds(mesh.view()).centre();

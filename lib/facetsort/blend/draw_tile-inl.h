@@ -25,7 +25,7 @@ void draw_pass(const TileTask& task, const DrawPass& pass, int tile, int x0, int
                TilePlane& depths) {
   const FloatTag d;
   const ProjectedMesh& projected = task.projected;
-  const bool eight_bits = task.format == PixelFormat::rgba8;
+  const bool eight_bits = task.format == PixelFormat::rgba8, is_additive = pass.blend == BlendMode::additive;
   const float scale = channel_scale(task);
   if (!pass.colour_write && !pass.depth_write) return;
   Paint paint;
@@ -59,6 +59,10 @@ void draw_pass(const TileTask& task, const DrawPass& pass, int tile, int x0, int
       blend_paint<vertex_colours>(
           paint, scale, x, y,
           [&](int channel, hn::VFromD<FloatTag> source, hn::VFromD<FloatTag> transparency) HWY_ATTR {
+            if (is_additive) {
+              if (channel == 3) return;
+              transparency = hn::Set(d, 1.0f);
+            }
             float* plane = colours.channel[channel].pixel + pixel;
             const auto below = hn::Load(d, plane);
             auto blended = hn::Add(source, hn::Mul(below, transparency));
