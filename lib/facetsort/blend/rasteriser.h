@@ -45,9 +45,9 @@ inline constexpr int no_pass_limit = std::numeric_limits<int>::max();
 // how sums round, and for layered between more than K layers. What they keep a pixel is float32 in both formats: rgba8
 // rounds once, at the end. All but layered draw the opacity of all layers together exactly.
 enum class OrderIndependent {
-  weighted,    // 1 pass: an average of the layers' colours, weighted by depth (McGuire and Bavoil 2013, "Weighted Blended
-               // Order-Independent Transparency", equation 10, depth being that of a depth buffer whose near and far
-               // planes are the mesh's nearest and farthest vertex); exact for one layer, and for layers of one colour
+  weighted,    // 1 pass: an average of the layers' colours, weighted by distance (McGuire and Bavoil 2013, "Weighted
+               // Blended Order-Independent Transparency", equation 7 in units of a hundredth of the distance to the
+               // mesh's farthest vertex); exact for one layer, and for layers of one straight colour
   moments,     // 2 passes: an average by the transmittance in front of each layer, found from 4 or 6 power moments of
                // absorbance over depth (Muenstermann et al. 2018, "Moment-Based Order-Independent Transparency"); nearly
                // exact for 2 layers (6 moments: 3) of one alpha
