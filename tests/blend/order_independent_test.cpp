@@ -52,7 +52,9 @@ TEST(Additive, GoesBeyondOneInFloatAndNotInEightBits) {
 TEST(Additive, AddsVertexColoursToo) {
   const Sheet layers[] = {{10, red, 0.5f}, {5, green, 0.25f}};
   Mesh mesh = mesh_of(layers);
-  for (const Sheet& sheet : layers) mesh.vertex_colours.insert(mesh.vertex_colours.end(), 3, {sheet.straight, sheet.alpha});
+  for (const Sheet& sheet : layers) {
+    mesh.vertex_colours.insert(mesh.vertex_colours.end(), 3, glm::vec4(sheet.straight, sheet.alpha));
+  }
   const DrawPass add{.blend = BlendMode::additive};
   Image image;
   Rasteriser().draw(mesh.view(), sheets_view(1, 1), index_order(2), {}, std::span(&add, 1), {0, 0, 0, 1},
@@ -207,7 +209,7 @@ double largest_difference(const Mesh& mesh, const View& view, const Image& a, co
     left_out += close;
     if (close) continue;
     for (int k = 0; k < 4; ++k) {
-      largest = std::max(largest, std::abs(static_cast<double>(a.pixels[pixel][k]) - static_cast<double>(b.pixels[pixel][k])));
+      largest = std::max(largest, static_cast<double>(std::abs(a.pixels[pixel][k] - b.pixels[pixel][k])));
     }
   }
   EXPECT_LT(left_out, a.pixels.size() / 20);

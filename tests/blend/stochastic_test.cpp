@@ -67,7 +67,8 @@ TEST(SampleMasks, OfFragmentsOfAPixelAreIndependent) {
 TEST(Stochastic, TwoLayersAreExactWhereTheFirstCoversWholeSamples) {
   const Sheet layers[] = {{8, green, 0.37f}, {4, red, 0.75f}};
   for (const int samples : {4, 8, 20, 64}) {
-    for (const glm::vec4& pixel : draw_sheets(layers, sheets_view(40, 40), OrderIndependent::stochastic, samples).pixels) {
+    const Image image = draw_sheets(layers, sheets_view(40, 40), OrderIndependent::stochastic, samples);
+    for (const glm::vec4& pixel : image.pixels) {
       ASSERT_NEAR(pixel.r, 0.75f, 1e-5f);
       ASSERT_NEAR(pixel.g, 0.25f * 0.37f, 1e-5f);
       ASSERT_NEAR(pixel.a, 1, 1e-5f);
@@ -112,7 +113,8 @@ TEST(Stochastic, TheMeanOfManyPixelsIsSourceOver) {
   const Sheet layers[] = {{4, red, 0.5f}, {6, green, 0.5f}, {8, blue, 0.5f}};
   constexpr int side = 128;
   glm::dvec4 mean(0);
-  for (const glm::vec4& pixel : draw_sheets(layers, sheets_view(side, side), OrderIndependent::stochastic, 64).pixels) {
+  const Image image = draw_sheets(layers, sheets_view(side, side), OrderIndependent::stochastic, 64);
+  for (const glm::vec4& pixel : image.pixels) {
     mean += glm::dvec4(pixel) / static_cast<double>(side * side);
   }
   // A pixel's blue strays by 0.02; the scaling of the sum, a ratio, is off by about its square.

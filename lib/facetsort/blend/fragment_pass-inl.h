@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <bit>
 #include <cstdint>
-#include <cstring>
 #include <limits>
 
 #include "facetsort/blend/covered_rows-inl.h"
@@ -102,11 +101,7 @@ void for_each_fragment(const TileTask& task, int tile, const Visit& visit) {
                             [&](int channel, hn::VFromD<FloatTag> source, hn::VFromD<FloatTag>)
                                 HWY_ATTR { hn::Store(source, d, channels[channel]); });
         }
-        std::uint8_t bytes[8] = {};
-        hn::StoreMaskBits(d, mask, bytes);
-        std::uint64_t bits = 0;
-        std::memcpy(&bits, bytes, sizeof bits);
-        for (; bits != 0; bits &= bits - 1) {
+        for (RowBits bits = bits_of(mask); bits != 0; bits &= bits - 1) {
           const auto i = static_cast<std::size_t>(std::countr_zero(bits));
           if constexpr (vertex_colours) {
             visit(paint.facet, pixel + i, depths[i],

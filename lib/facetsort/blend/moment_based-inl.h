@@ -218,17 +218,20 @@ HWY_INLINE DoubleVector share_before(DoubleVector z0, DoubleVector m1, DoubleVec
   return hn::Add(hn::Mul(hn::Set(d, own_share), weight0), hn::IfThenElseZero(hn::Lt(low, z0), at_least_one));
 }
 
-// Of what is in front of the vector of fragments at warped depths z.
+// Of what is in front of the fragments at warped depths z; any value where the mask is not set.
 template <int moments>
 HWY_INLINE hn::VFromD<FloatTag> transmittance_before(const MomentTile<moments>& sums, std::size_t pixel,
-                                                     hn::VFromD<FloatTag> z) {
+                                                     hn::VFromD<FloatTag> z, hn::Mask<FloatTag> mask) {
   using Bias = MomentBias<moments>;
   const FloatTag d;
   const DoubleTag dd;
   const hn::Rebind<float, DoubleTag> part;
   HWY_ALIGN float depths[tile_size], shares[tile_size];
   hn::Store(z, d, depths);
+  hn::Store(hn::Zero(d), d, shares);
+  const RowBits wanted = bits_of(mask), part_lanes = ~RowBits{0} >> (tile_size - hn::Lanes(dd));
   for (std::size_t lane = 0; lane < hn::Lanes(d); lane += hn::Lanes(dd)) {
+    if ((wanted >> lane & part_lanes) == 0) continue;
     const auto load = [&](const float* values) HWY_ATTR { return hn::PromoteTo(dd, hn::Load(part, values + lane)); };
     const auto total = hn::Max(load(sums.absorbance.pixel + pixel), hn::Set(dd, 1e-30));
     const auto factor = hn::Div(hn::Set(dd, 1 - Bias::share), total);
@@ -260,7 +263,7 @@ void draw_moment_based(const TileTask& task, const DepthRange& range, int tile) 
       task, tile,
       [&](const Paint& paint, std::size_t pixel, int x, int y, hn::Mask<FloatTag> mask,
           hn::VFromD<FloatTag> depth) HWY_ATTR {
-        const auto visible = hn::IfThenElseZero(mask, transmittance_before<moments>(sums, pixel, warp(depth)));
+        const auto visible = hn::IfThenElseZero(mask, transmittance_before<moments>(sums, pixel, warp(depth), mask));
         blend_paint<vertex_colours>(paint, 1.0f, x, y,
                                     [&](int channel, hn::VFromD<FloatTag> source, hn::VFromD<FloatTag>) HWY_ATTR {
                                       float* sum = colours.channel[channel].pixel + pixel;

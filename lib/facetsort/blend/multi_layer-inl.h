@@ -10,6 +10,7 @@
 #define FACETSORT_BLEND_MULTI_LAYER_INL_H
 #endif
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>

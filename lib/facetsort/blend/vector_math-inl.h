@@ -7,6 +7,7 @@
 #define FACETSORT_BLEND_VECTOR_MATH_INL_H
 #endif
 
+#include <cstddef>
 #include <cstdint>
 
 HWY_BEFORE_NAMESPACE();
