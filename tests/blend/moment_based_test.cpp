@@ -105,7 +105,8 @@ glm::vec4 by_formula(std::span<const Sheet> layers, int count, Projection projec
   for (const Sheet& sheet : layers) {
     total += absorbance(sheet);
     for (std::size_t j = 0; j < moments.size(); ++j) {
-      moments[j] += absorbance(sheet) * std::pow(warped(static_cast<double>(sheet.distance)), static_cast<double>(j + 1));
+      moments[j] +=
+          absorbance(sheet) * std::pow(warped(static_cast<double>(sheet.distance)), static_cast<double>(j + 1));
     }
   }
   for (std::size_t j = 0; j < moments.size(); ++j) moments[j] = (1 - bias) * moments[j] / total + bias * towards[j];
@@ -126,13 +127,13 @@ void expect_colour(const Image& image, const glm::vec4& expected, float toleranc
 }
 
 // Two points are what four moments (of three: six) can be of: the measure is found as it is, but for the bias. So a
-// quarter of a layer's own absorbance counts, and all that of those before it: with transparencies t1 and t2, visible are
-// t1^(1/4) and t1 t2^(1/4). The sum is scaled to the opacity 1 - t1 t2.
+// quarter of a layer's own absorbance counts, and all that of those before it: with transparencies t1 and t2, visible
+// are t1^(1/4) and t1 t2^(1/4). The sum is scaled to the opacity 1 - t1 t2.
 TEST(MomentBased, TwoLayersByHand) {
   // t = 0.5 and 0.5: shares of 1 : 0.5 of the opacity 0.75, which is source-over.
   const Sheet equal[] = {{10, green, 0.5f}, {5, red, 0.5f}};
-  // t = 0.1 and 0.75: visible 0.5623413 and 0.0930605, times alpha 0.5061072 and 0.0232651; their sum is 0.5293723 and the
-  // opacity 0.925: red 0.8843478, green 0.0406522.
+  // t = 0.1 and 0.75: visible 0.5623413 and 0.0930605, times alpha 0.5061072 and 0.0232651; their sum is 0.5293723 and
+  // the opacity 0.925: red 0.8843478, green 0.0406522.
   const Sheet uneven[] = {{10, green, 0.25f}, {5, red, 0.9f}};
   for (const int count : {4, 6}) {
     SCOPED_TRACE(count);

@@ -92,8 +92,8 @@ TEST(WeightedBlended, OpaqueIshAndThinLayersOverAnyBackground) {
       weights += weight;
       transparency *= 1 - alpha;
     }
-    const glm::dvec4 expected = glm::dvec4((1 - transparency) * sum / weights, 1 - transparency) +
-                                transparency * glm::dvec4(clear_colour);
+    const glm::dvec4 expected =
+        glm::dvec4((1 - transparency) * sum / weights, 1 - transparency) + transparency * glm::dvec4(clear_colour);
     expect_colour(draw_sheets(layers, sheets_view(5, 3, projection), OrderIndependent::weighted, 0, clear_colour),
                   glm::vec4(expected));
   }
@@ -126,9 +126,10 @@ TEST(MultiLayer, IsExactForAsManyLayersAsItKeeps) {
 }
 
 TEST(MultiLayer, MergesTheFarthestTwoOfMore) {
-  // Two are kept. 8 and 4 are; 6 comes between them, and what is farthest then, 6 and 8, become one at 6: exact. At 9, it
-  // is behind that: exact. Then 7 comes, behind the merged one's 6, though before 8 and 9: drawn behind them.
-  const Sheet layers[] = {{8, green, 0.5f}, {4, red, 0.5f}, {6, blue, 0.5f}, {9, {1, 1, 1}, 0.5f}, {7, {1, 1, 0}, 0.5f}};
+  // Two are kept. 8 and 4 are; 6 comes between them, and what is farthest then, 6 and 8, become one at 6: exact. At 9,
+  // it is behind that: exact. Then 7 comes, behind the merged one's 6, though before 8 and 9: drawn behind them.
+  const Sheet layers[] = {
+      {8, green, 0.5f}, {4, red, 0.5f}, {6, blue, 0.5f}, {9, {1, 1, 1}, 0.5f}, {7, {1, 1, 0}, 0.5f}};
   const float white_part = 0.0625f, yellow_part = 0.03125f;
   expect_colour(draw_sheets(layers, sheets_view(), OrderIndependent::layers, 2),
                 {0.5f + white_part + yellow_part, 0.125f + white_part + yellow_part, 0.25f + white_part, 1}, 1e-6f);
@@ -150,9 +151,12 @@ TEST(OrderIndependent, OneLayerIsExact) {
   const glm::vec4 expected = layer[0].premultiplied() + clear_colour * 0.7f;
   for (const Projection projection : {Projection::perspective, Projection::orthographic}) {
     const View view = sheets_view(5, 3, projection);
-    for (const auto& [method, count] : {std::pair(OrderIndependent::weighted, 0), {OrderIndependent::moments, 4},
-                                        {OrderIndependent::moments, 6}, {OrderIndependent::layers, 1},
-                                        {OrderIndependent::stochastic, 1}, {OrderIndependent::stochastic, 64}}) {
+    for (const auto& [method, count] : {std::pair(OrderIndependent::weighted, 0),
+                                        {OrderIndependent::moments, 4},
+                                        {OrderIndependent::moments, 6},
+                                        {OrderIndependent::layers, 1},
+                                        {OrderIndependent::stochastic, 1},
+                                        {OrderIndependent::stochastic, 64}}) {
       SCOPED_TRACE(count);
       expect_colour(draw_sheets(layer, view, method, count, clear_colour), expected);
       // 255 times the above, rounded once.
@@ -165,8 +169,10 @@ TEST(OrderIndependent, OneLayerIsExact) {
 TEST(OrderIndependent, NothingAndInvisibleLayersLeaveTheClearColour) {
   const Sheet invisible[] = {{6, red, 0}, {7, green, 0}};
   const glm::vec4 clear_colour(0.5f, 0.25f, 0, 0.75f);
-  for (const auto& [method, count] : {std::pair(OrderIndependent::weighted, 0), {OrderIndependent::moments, 4},
-                                      {OrderIndependent::moments, 6}, {OrderIndependent::layers, 1},
+  for (const auto& [method, count] : {std::pair(OrderIndependent::weighted, 0),
+                                      {OrderIndependent::moments, 4},
+                                      {OrderIndependent::moments, 6},
+                                      {OrderIndependent::layers, 1},
                                       {OrderIndependent::stochastic, 8}}) {
     expect_colour(draw_sheets(invisible, sheets_view(), method, count, clear_colour), clear_colour, 1e-6f);
     expect_colour(draw_sheets({}, sheets_view(), method, count, clear_colour), clear_colour, 0);
@@ -259,8 +265,10 @@ TEST(OrderIndependent, NoOrderChangesThePicture) {
   std::vector<std::uint32_t> shuffled = in_order;
   std::shuffle(shuffled.begin(), shuffled.end(), std::mt19937(3));
   Rasteriser rasteriser;
-  for (const auto& [method, count] : {std::pair(OrderIndependent::weighted, 0), {OrderIndependent::moments, 4},
-                                      {OrderIndependent::moments, 6}, {OrderIndependent::layers, 64},
+  for (const auto& [method, count] : {std::pair(OrderIndependent::weighted, 0),
+                                      {OrderIndependent::moments, 4},
+                                      {OrderIndependent::moments, 6},
+                                      {OrderIndependent::layers, 64},
                                       {OrderIndependent::stochastic, 8}}) {
     Image first, second;
     rasteriser.draw_order_independent(mesh.view(), view, in_order, colours, method, count, background,
@@ -309,9 +317,9 @@ TEST(OrderIndependent, TellsItsPassesAndMemory) {
     const char* name;
     int passes;
     std::size_t bytes;
-  } expected[] = {{"unsorted", 1, 0},          {"depth_write", 1, 4},        {"additive", 1, 0},
-                  {"premultiplied_over", 1, 0}, {"weighted_blended", 1, 20},  {"moment_based:4", 2, 36},
-                  {"moment_based:6", 2, 44},    {"multi_layer:8", 1, 160},    {"stochastic:8", 2, 52},
+  } expected[] = {{"unsorted", 1, 0},           {"depth_write", 1, 4},           {"additive", 1, 0},
+                  {"premultiplied_over", 1, 0}, {"weighted_blended", 1, 20},     {"moment_based:4", 2, 36},
+                  {"moment_based:6", 2, 44},    {"multi_layer:8", 1, 160},       {"stochastic:8", 2, 52},
                   {"depth_peeling:2", 2, 40},   {"dual_depth_peeling:1", 2, 80}, {"reference", 1, 6 * 16}};
   const Mesh mesh = shapes::nested_shells(3, 0.3f, 2);
   const View view = view_of(mesh);

@@ -36,8 +36,10 @@ TEST(SampleMasks, CoverAlphaOfTheSamplesInTheMean) {
           ASSERT_LT(std::abs(static_cast<float>(std::popcount(mask)) - exact), 1.0f);
           for (std::size_t s = 0; s < 64; ++s) {
             const bool is_covered = (mask >> s & 1) != 0;
-            if (s < covered.size()) covered[s] += is_covered;
-            else ASSERT_FALSE(is_covered);
+            if (s < covered.size())
+              covered[s] += is_covered;
+            else
+              ASSERT_FALSE(is_covered);
           }
         }
       }
@@ -76,8 +78,8 @@ TEST(Stochastic, TwoLayersAreExactWhereTheFirstCoversWholeSamples) {
   }
 }
 
-// From the fixed masks: a sample's depth is the nearest that covers it; a layer is visible in those it is not behind; the
-// sum of visible alphas is scaled to the opacity of all layers together.
+// From the fixed masks: a sample's depth is the nearest that covers it; a layer is visible in those it is not behind;
+// the sum of visible alphas is scaled to the opacity of all layers together.
 TEST(Stochastic, AnyLayersAreWhatTheirMasksSay) {
   const Sheet layers[] = {{8, green, 0.4f}, {4, red, 0.7f}, {6, blue, 0.15f}, {9, {1, 1, 1}, 0.95f}};
   constexpr int nearest_first[] = {1, 2, 0, 3};

@@ -10,7 +10,9 @@
 namespace facetsort {
 namespace {
 
-glm::vec4 over(const glm::vec4& above, const glm::vec4& below) { return above + below * (1.0f - above.a); }
+glm::vec4 over(const glm::vec4& above, const glm::vec4& below) {
+  return above + below * (1.0f - above.a);
+}
 
 TEST(SwapError, IsTheProductOfAlphasAndTheDifferenceOfColours) {
   // Straight (1, 0.5, 0) at alpha 0.5 and (0, 0.25, 1) at alpha 0.2: 0.1 times (1, 0.25, 1).

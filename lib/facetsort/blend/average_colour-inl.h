@@ -1,4 +1,5 @@
-// Internal to blend: how the strategies end that know how opaque all layers together are, and an average colour of them.
+// Internal to blend: how the strategies end that know how opaque all layers together are, and an average colour of
+// them.
 #if defined(FACETSORT_BLEND_AVERAGE_COLOUR_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef FACETSORT_BLEND_AVERAGE_COLOUR_INL_H
 #undef FACETSORT_BLEND_AVERAGE_COLOUR_INL_H
@@ -14,9 +15,10 @@ namespace facetsort::blend_internal::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
 // Writes the tile: the average colour, covering all but the transmittance, over the clear colour. `sums` are of
-// premultiplied colours by some weight, and in the fourth channel of the alphas by the same; it is overwritten. Sums are
-// float whatever the picture's format: rgba8 rounds once.
-void write_average_over_clear_colour(const TileTask& task, TileColours& sums, const TilePlane& transmittance, int tile) {
+// premultiplied colours by some weight, and in the fourth channel of the alphas by the same; it is overwritten. Sums
+// are float whatever the picture's format: rgba8 rounds once.
+void write_average_over_clear_colour(const TileTask& task, TileColours& sums, const TilePlane& transmittance,
+                                     int tile) {
   const FloatTag d;
   const bool eight_bits = task.format == PixelFormat::rgba8;
   const auto scale = hn::Set(d, channel_scale(task)), one = hn::Set(d, 1.0f);

@@ -78,11 +78,10 @@ void fragment_pass(const TileTask& task, int tile, const Visit& visit) {
       paint.set_up<vertex_colours>(task, entry.facet, edges);
       is_set_up = true;
     };
-    for_covered_vectors(task.projected, task.bins, entry, x0, y0,
-                        [&](int x, int y, hn::Mask<FloatTag> mask) HWY_ATTR {
-                          if (!is_set_up) set_up();
-                          visit(paint, static_cast<std::size_t>(y * tile_size + x), x, y, mask, depth.at(x, y));
-                        });
+    for_covered_vectors(task.projected, task.bins, entry, x0, y0, [&](int x, int y, hn::Mask<FloatTag> mask) HWY_ATTR {
+      if (!is_set_up) set_up();
+      visit(paint, static_cast<std::size_t>(y * tile_size + x), x, y, mask, depth.at(x, y));
+    });
   }
 }
 
@@ -92,25 +91,25 @@ void for_each_fragment(const TileTask& task, int tile, const Visit& visit) {
   const FloatTag d;
   fragment_pass<vertex_colours>(
       task, tile,
-      [&](const Paint& paint, std::size_t pixel, int x, int y, hn::Mask<FloatTag> mask,
-          hn::VFromD<FloatTag> depth) HWY_ATTR {
-        HWY_ALIGN float depths[tile_size], channels[4][tile_size];
-        hn::Store(depth, d, depths);
-        if constexpr (vertex_colours) {
-          blend_paint<true>(paint, 1.0f, x, y,
-                            [&](int channel, hn::VFromD<FloatTag> source, hn::VFromD<FloatTag>)
-                                HWY_ATTR { hn::Store(source, d, channels[channel]); });
-        }
-        for (RowBits bits = bits_of(mask); bits != 0; bits &= bits - 1) {
-          const auto i = static_cast<std::size_t>(std::countr_zero(bits));
-          if constexpr (vertex_colours) {
-            visit(paint.facet, pixel + i, depths[i],
-                  glm::vec4(channels[0][i], channels[1][i], channels[2][i], channels[3][i]));
-          } else {
-            visit(paint.facet, pixel + i, depths[i], paint.flat);
-          }
-        }
-      });
+      [&](const Paint& paint, std::size_t pixel, int x, int y, hn::Mask<FloatTag> mask, hn::VFromD<FloatTag> depth)
+          HWY_ATTR {
+            HWY_ALIGN float depths[tile_size], channels[4][tile_size];
+            hn::Store(depth, d, depths);
+            if constexpr (vertex_colours) {
+              blend_paint<true>(paint, 1.0f, x, y,
+                                [&](int channel, hn::VFromD<FloatTag> source, hn::VFromD<FloatTag>)
+                                    HWY_ATTR { hn::Store(source, d, channels[channel]); });
+            }
+            for (RowBits bits = bits_of(mask); bits != 0; bits &= bits - 1) {
+              const auto i = static_cast<std::size_t>(std::countr_zero(bits));
+              if constexpr (vertex_colours) {
+                visit(paint.facet, pixel + i, depths[i],
+                      glm::vec4(channels[0][i], channels[1][i], channels[2][i], channels[3][i]));
+              } else {
+                visit(paint.facet, pixel + i, depths[i], paint.flat);
+              }
+            }
+          });
 }
 
 }  // namespace facetsort::blend_internal::HWY_NAMESPACE

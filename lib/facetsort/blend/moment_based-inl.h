@@ -2,10 +2,11 @@
 //
 // Muenstermann, Krumpen, Klein and Peters, "Moment-Based Order-Independent Transparency", Proceedings of the ACM on
 // Computer Graphics and Interactive Techniques 1 (1), 2018, with power moments. The first pass sums the absorbance
-// -log(1 - alpha) of a pixel's layers and its moments, the sums of absorbance z^j, j = 1..4 or 6, with z the warped depth.
-// The second adds each fragment's colour by its transmittance e^-A, A being what absorbs in front of it: of all sums of
-// points that have these moments, one of which is at the fragment's depth, the points before it and a quarter of the one
-// at it. The points are roots of the kernel polynomial, as in Peters and Klein, "Moment Shadow Mapping" (2015).
+// -log(1 - alpha) of a pixel's layers and its moments, the sums of absorbance z^j, j = 1..4 or 6, with z the warped
+// depth. The second adds each fragment's colour by its transmittance e^-A, A being what absorbs in front of it: of all
+// sums of points that have these moments, one of which is at the fragment's depth, the points before it and a quarter
+// of the one at it. The points are roots of the kernel polynomial, as in Peters and Klein, "Moment Shadow Mapping"
+// (2015).
 //
 // Moments are kept in float, and points are found in double: their own rounding would otherwise exceed the bias.
 #if defined(FACETSORT_BLEND_MOMENT_BASED_INL_H) == defined(HWY_TARGET_TOGGLE)
@@ -49,7 +50,8 @@ struct MomentBias<6> {
   static constexpr double share = 5e-6, towards[] = {0, 0.48, 0, 0.451, 0, 0.45};
 };
 
-// Squared norms of the orthogonal polynomials are at least the share times those of the measure above, but for rounding.
+// Squared norms of the orthogonal polynomials are at least the share times those of the measure above, but for
+// rounding.
 template <int moments>
 constexpr double least_norm = 0.02 * MomentBias<moments>::share;
 
@@ -109,8 +111,8 @@ HWY_INLINE DoubleVector bounded_point(DoubleVector point) {
   return hn::Clamp(point, hn::Set(d, -farthest_point), hn::Set(d, farthest_point));
 }
 
-// Of a x^2 + b x + c, which has two real roots; without a sum of terms of different signs. One is at infinity where a is
-// 0, or nearly.
+// Of a x^2 + b x + c, which has two real roots; without a sum of terms of different signs. One is at infinity where a
+// is 0, or nearly.
 HWY_INLINE void roots_of_quadratic(DoubleVector a, DoubleVector b, DoubleVector c, DoubleVector& low,
                                    DoubleVector& high) {
   const DoubleTag d;
@@ -132,7 +134,8 @@ HWY_INLINE void roots_of_cubic(DoubleVector a, DoubleVector b, DoubleVector c, D
                                DoubleVector& middle, DoubleVector& high) {
   const DoubleTag d;
   const auto one = hn::Set(d, 1.0), half = hn::Set(d, 0.5), third = hn::Set(d, 1.0 / 3);
-  // No root is farther than farthest_point, or one is at infinity: a is at least so large beside the other coefficients.
+  // No root is farther than farthest_point, or one is at infinity: a is at least so large beside the other
+  // coefficients.
   const auto others = hn::Max(hn::Abs(b), hn::Max(hn::Abs(c), hn::Abs(e)));
   const auto least = hn::Max(hn::Mul(others, hn::Set(d, 1 / farthest_point)), hn::Set(d, 1e-200));
   const auto inverse = hn::Div(one, hn::CopySign(hn::Max(hn::Abs(a), least), a));
@@ -240,8 +243,10 @@ HWY_INLINE hn::VFromD<FloatTag> transmittance_before(const MomentTile<moments>& 
                      hn::Set(dd, Bias::share * Bias::towards[j - 1]));
     };
     const auto share = [&]() HWY_ATTR {
-      if constexpr (moments == 4) return share_before(load(depths), moment(1), moment(2), moment(3), moment(4));
-      else return share_before(load(depths), moment(1), moment(2), moment(3), moment(4), moment(5), moment(6));
+      if constexpr (moments == 4)
+        return share_before(load(depths), moment(1), moment(2), moment(3), moment(4));
+      else
+        return share_before(load(depths), moment(1), moment(2), moment(3), moment(4), moment(5), moment(6));
     }();
     hn::Store(hn::DemoteTo(part, hn::Clamp(share, hn::Zero(dd), hn::Set(dd, 1.0))), part, shares + lane);
   }

@@ -1,8 +1,8 @@
 // Internal to blend: multi-layer alpha blending, in one tile.
 //
-// Salvi and Vaidyanathan, "Multi-Layer Alpha Blending", I3D 2014. A pixel keeps K fragments by depth; one more is put in
-// its place, and the farthest two of them then become one, blended, at the nearer one's depth. So K layers are exact, and
-// of more, those that lie in front of what was merged out of order.
+// Salvi and Vaidyanathan, "Multi-Layer Alpha Blending", I3D 2014. A pixel keeps K fragments by depth; one more is put
+// in its place, and the farthest two of them then become one, blended, at the nearer one's depth. So K layers are
+// exact, and of more, those that lie in front of what was merged out of order.
 #if defined(FACETSORT_BLEND_MULTI_LAYER_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef FACETSORT_BLEND_MULTI_LAYER_INL_H
 #undef FACETSORT_BLEND_MULTI_LAYER_INL_H
@@ -23,7 +23,9 @@
 HWY_BEFORE_NAMESPACE();
 namespace facetsort::blend_internal::HWY_NAMESPACE {
 
-inline glm::vec4 over(const glm::vec4& above, const glm::vec4& below) { return above + below * (1.0f - above.a); }
+inline glm::vec4 over(const glm::vec4& above, const glm::vec4& below) {
+  return above + below * (1.0f - above.a);
+}
 
 // Where `count` layers, nearest first, have room for one more. At one depth what is drawn later is in front.
 HWY_INLINE void insert_layer(KeptLayer* layers, std::size_t count, const KeptLayer& layer) {
@@ -45,12 +47,12 @@ HWY_INLINE void insert_into_full(KeptLayer* layers, std::size_t most, const Kept
 
 template <bool vertex_colours>
 void keep_layers(const TileTask& task, int tile, std::size_t most, KeptLayer* layers, std::uint8_t* counts) {
-  for_each_fragment<vertex_colours>(
-      task, tile, [&](std::uint32_t, std::size_t pixel, float depth, const glm::vec4& colour) {
-        KeptLayer* here = layers + pixel * most;
-        if (counts[pixel] == most) return insert_into_full(here, most, {depth, colour});
-        insert_layer(here, counts[pixel]++, {depth, colour});
-      });
+  for_each_fragment<vertex_colours>(task, tile,
+                                    [&](std::uint32_t, std::size_t pixel, float depth, const glm::vec4& colour) {
+                                      KeptLayer* here = layers + pixel * most;
+                                      if (counts[pixel] == most) return insert_into_full(here, most, {depth, colour});
+                                      insert_layer(here, counts[pixel]++, {depth, colour});
+                                    });
 }
 
 void DrawMultiLayer(const TileTask& task, std::span<KeptLayer> layers, int tile) {

@@ -2,9 +2,9 @@
 //
 // Enderton, Sintorn, Shirley and Luebke, "Stochastic Transparency", I3D 2010, with its depth-based accumulation and its
 // alpha correction. The first pass draws depth alone into S samples a pixel: a fragment covers a random subset of them,
-// alpha S in the mean. The second adds each fragment's colour, by the share of samples whose depth it is not behind, which
-// is its visibility in the mean. The transparency of all layers together needs no samples: it is multiplied in the second
-// pass, into a target of its own, and the sums are scaled to it.
+// alpha S in the mean. The second adds each fragment's colour, by the share of samples whose depth it is not behind,
+// which is its visibility in the mean. The transparency of all layers together needs no samples: it is multiplied in
+// the second pass, into a target of its own, and the sums are scaled to it.
 #if defined(FACETSORT_BLEND_STOCHASTIC_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef FACETSORT_BLEND_STOCHASTIC_INL_H
 #undef FACETSORT_BLEND_STOCHASTIC_INL_H

@@ -96,8 +96,8 @@ std::vector<std::string> numbered_strategy_names() {
 
 std::optional<Strategy> strategy_from_name(std::string_view name) {
   const std::size_t end = std::min(name.find(separator), name.size());
-  const auto named =
-      std::find_if(std::begin(kinds), std::end(kinds), [&](const auto& kind) { return kind.name == name.substr(0, end); });
+  const auto named = std::find_if(std::begin(kinds), std::end(kinds),
+                                  [&](const auto& kind) { return kind.name == name.substr(0, end); });
   if (named == std::end(kinds)) return std::nullopt;
   if (end == name.size()) {
     if (named->detail == Detail::number) return std::nullopt;

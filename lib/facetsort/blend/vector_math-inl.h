@@ -40,8 +40,8 @@ HWY_INLINE hn::VFromD<D> log_of(D d, hn::VFromD<D> x) {
   return hn::Add(of_mantissa, hn::Mul(hn::ConvertTo(d, exponent), hn::Set(d, log_of_2)));
 }
 
-// e^x of floats up to 80, within 3e-7 of it relatively; x below -87 counts as -87. With x = n log(2) + r and |r| at most
-// log(2) / 2, e^r is its Taylor series.
+// e^x of floats up to 80, within 3e-7 of it relatively; x below -87 counts as -87. With x = n log(2) + r and |r| at
+// most log(2) / 2, e^r is its Taylor series.
 template <class D>
 HWY_INLINE hn::VFromD<D> exp_of(D d, hn::VFromD<D> x) {
   constexpr float taylor_series[] = {1.0f, 1.0f, 1.0f / 2, 1.0f / 6, 1.0f / 24, 1.0f / 120, 1.0f / 720, 1.0f / 5040};
