@@ -19,9 +19,10 @@ namespace {
 
 constexpr int picture_size = 1024;
 
-constexpr const char* order_independent[] = {
-    "depth_peeling",  "dual_depth_peeling", "depth_peeling:5", "dual_depth_peeling:5", "additive",    "weighted_blended",
-    "moment_based:4", "moment_based:6",     "multi_layer:4",   "multi_layer:64",       "stochastic:8", "stochastic:64"};
+constexpr const char* order_independent[] = {"depth_peeling",   "dual_depth_peeling",   "depth_peeling:5",
+                                             "dual_depth_peeling:5", "additive",   "weighted_blended",
+                                             "moment_based:4",  "moment_based:6", "multi_layer:4",
+                                             "multi_layer:64",  "stochastic:8",   "stochastic:64"};
 
 void draw_frames(benchmark::State& state, const Subject& subject, const Strategy& strategy, PixelFormat format,
                  int threads) {

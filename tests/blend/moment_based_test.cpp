@@ -90,10 +90,10 @@ double share_before(const Vector& moments, double z0) {
 glm::vec4 by_formula(std::span<const Sheet> layers, int count, Projection projection, const glm::vec4& clear_colour) {
   const Vector towards = count == 4 ? Vector{0, 0.375, 0, 0.375} : Vector{0, 0.48, 0, 0.451, 0, 0.45};
   const double bias = count == 4 ? 5e-7 : 5e-6;
-  const auto [nearest, farthest] = std::minmax_element(
-      layers.begin(), layers.end(), [](const Sheet& a, const Sheet& b) { return a.distance < b.distance; });
+  const auto ends = std::minmax_element(layers.begin(), layers.end(),
+                                        [](const Sheet& a, const Sheet& b) { return a.distance < b.distance; });
+  const double near = static_cast<double>(ends.first->distance), far = static_cast<double>(ends.second->distance);
   const auto warped = [&](double distance) {
-    const double near = static_cast<double>(nearest->distance), far = static_cast<double>(farthest->distance);
     if (projection == Projection::orthographic) return 2 * (distance - near) / (far - near) - 1;
     return 2 * std::log(distance / near) / std::log(far / near) - 1;
   };

@@ -225,8 +225,9 @@ TEST(Rasteriser, VertexColoursAreInterpolatedInPerspective) {
 // All that need no number, and the others with one.
 std::vector<Strategy> strategies_of_every_kind() {
   std::vector<Strategy> strategies = all_strategies();
-  for (const char* name : {"depth_peeling:2", "dual_depth_peeling:1", "moment_based:4", "moment_based:6", "multi_layer:1",
-                           "multi_layer:3", "multi_layer:64", "stochastic:1", "stochastic:7", "stochastic:40"}) {
+  for (const char* name : {"depth_peeling:2", "dual_depth_peeling:1", "moment_based:4", "moment_based:6",
+                           "multi_layer:1", "multi_layer:3", "multi_layer:64", "stochastic:1", "stochastic:7",
+                           "stochastic:40"}) {
     strategies.push_back(strategy_from_name(name).value());
   }
   return strategies;

@@ -40,7 +40,7 @@ enum class StrategyKind {
   stochastic,
   additive,               // index order, colours added (see BlendMode): another picture than source-over's, which it is
                           // compared with all the same, to say how far from it
-  premultiplied_over,     // index order; the picture of `unsorted`, under the name of what it trusts in: that alphas are
+  premultiplied_over,     // index order: the picture of `unsorted`, under the name of what it trusts in, that alphas are
                           // so small that no order is needed (see order_error_bound())
   reference,              // every fragment of a pixel blended by its own depth
 };
@@ -65,7 +65,7 @@ struct Strategy {
 
 // Every strategy that needs no number, in the order in which reports show them; `reference` last.
 std::vector<Strategy> all_strategies();
-// What the names of the others look like: "multi_layer:K", ...
+// What the names of the others look like: "multi_layer:1..64", "moment_based:4|6", ...
 std::vector<std::string> numbered_strategy_names();
 // Knows every name() and, as method, its alias.
 std::optional<Strategy> strategy_from_name(std::string_view name);

@@ -14,8 +14,7 @@ struct NamedKind {
   StrategyKind kind;
   std::string_view name;
   Detail detail = Detail::none;
-  std::size_t least = 1, most = 1, step = 1;  // of the number
-  std::string_view number_name = "";
+  std::size_t least = 1, most = 0, step = 1;  // of the number
 };
 
 // In the order in which reports show them.
@@ -28,13 +27,13 @@ constexpr NamedKind kinds[] = {
     {StrategyKind::additive, "additive"},
     {StrategyKind::premultiplied_over, "premultiplied_over"},
     {StrategyKind::facet_sort, "facet_sort", Detail::method},
-    {StrategyKind::presorted_buffers, "presorted_buffers", Detail::number, 1, Strategy::most_buffers, 1, "K"},
-    {StrategyKind::depth_peeling, "depth_peeling", Detail::number_if_any, 1, Strategy::most_passes, 1, "N"},
-    {StrategyKind::dual_depth_peeling, "dual_depth_peeling", Detail::number_if_any, 1, Strategy::most_passes, 1, "N"},
+    {StrategyKind::presorted_buffers, "presorted_buffers", Detail::number, 1, Strategy::most_buffers},
+    {StrategyKind::depth_peeling, "depth_peeling", Detail::number_if_any, 1, Strategy::most_passes},
+    {StrategyKind::dual_depth_peeling, "dual_depth_peeling", Detail::number_if_any, 1, Strategy::most_passes},
     {StrategyKind::weighted_blended, "weighted_blended"},
-    {StrategyKind::moment_based, "moment_based", Detail::number, 4, 6, 2, "4|6"},
-    {StrategyKind::multi_layer, "multi_layer", Detail::number, 1, most_kept_layers, 1, "K"},
-    {StrategyKind::stochastic, "stochastic", Detail::number, 1, most_depth_samples, 1, "S"},
+    {StrategyKind::moment_based, "moment_based", Detail::number, 4, 6, 2},
+    {StrategyKind::multi_layer, "multi_layer", Detail::number, 1, most_kept_layers},
+    {StrategyKind::stochastic, "stochastic", Detail::number, 1, most_depth_samples},
     {StrategyKind::reference, "reference"},
 };
 
@@ -88,8 +87,10 @@ std::vector<Strategy> all_strategies() {
 std::vector<std::string> numbered_strategy_names() {
   std::vector<std::string> names;
   for (const NamedKind& named : kinds) {
-    if (named.number_name.empty()) continue;
-    names.push_back(std::string(named.name).append(separator).append(named.number_name));
+    if (named.detail != Detail::number && named.detail != Detail::number_if_any) continue;
+    const std::string_view between = named.least + named.step == named.most ? "|" : "..";
+    names.push_back(std::string(named.name).append(separator).append(std::to_string(named.least)));
+    names.back().append(between).append(std::to_string(named.most));
   }
   return names;
 }
