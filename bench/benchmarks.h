@@ -20,7 +20,8 @@ void register_presorted_file_benchmarks();
 void register_presorted_benchmarks();
 // vtk_depth_sort/MESH: VTK's own, where the build found VTK.
 void register_vtk_benchmarks();
-// draw/FORMAT/MESH: the blend target at 1024 x 1024, facets already in order.
+// draw/FORMAT/MESH: the blend target at 1024 x 1024, facets already in order. STRATEGY/FORMAT/MESH: the strategies that
+// need no order.
 void register_draw_benchmarks();
 // llvmpipe_draw/FORMAT/MESH: the same by Mesa's software OpenGL driver, where the build found OSMesa.
 void register_llvmpipe_benchmarks();

@@ -19,6 +19,11 @@ namespace {
 
 constexpr int picture_size = 1024;
 
+constexpr const char* order_independent[] = {"depth_peeling",   "dual_depth_peeling",   "depth_peeling:5",
+                                             "dual_depth_peeling:5", "additive",   "weighted_blended",
+                                             "moment_based:4",  "moment_based:6", "multi_layer:4",
+                                             "multi_layer:64",  "stochastic:8",   "stochastic:64"};
+
 void draw_frames(benchmark::State& state, const Subject& subject, const Strategy& strategy, PixelFormat format,
                  int threads) {
   const Mesh& mesh = subject.mesh();
@@ -66,9 +71,8 @@ void register_draw_benchmarks() {
     }
   }
   for (const Subject& subject : shipped_meshes()) {
-    for (const StrategyKind kind : {StrategyKind::depth_peeling, StrategyKind::dual_depth_peeling}) {
-      const Strategy strategy{.kind = kind};
-      add(strategy.name(), subject, strategy, PixelFormat::rgba32f);
+    for (const char* name : order_independent) {
+      add(name, subject, strategy_from_name(name).value(), PixelFormat::rgba32f);
     }
   }
 }

@@ -168,7 +168,8 @@ CLI::Option* add_error_option(CLI::App& command, std::optional<double>& max_erro
 std::string strategy_names() {
   std::string names;
   for (const Strategy& strategy : all_strategies()) names += (names.empty() ? "" : ", ") + strategy.name();
-  return names + ", presorted_buffers:K";
+  for (const std::string& name : numbered_strategy_names()) names += ", " + name;
+  return names;
 }
 
 }  // namespace facetsort

@@ -47,6 +47,7 @@ ExitStatus run_blend(const BlendOptions& options, const CommonOptions& common) {
                 {"strategy", options.strategy.name()},
                 {"size", {view.width, view.height}},
                 {"passes", renderer.passes()},
+                {"bytes_per_pixel", renderer.bytes_per_pixel()},
                 {"facets_drawn", statistics.facets_drawn},
                 {"order_ms", order.median_ms},
                 {"order_ms_spread", order.spread_ms},
@@ -55,6 +56,8 @@ ExitStatus run_blend(const BlendOptions& options, const CommonOptions& common) {
                 {"output", options.output}});
   } else {
     print_facts({{"strategy", options.strategy.name()},
+                 {"passes", std::to_string(renderer.passes())},
+                 {"memory", std::to_string(renderer.bytes_per_pixel()) + " bytes a pixel beside the picture"},
                  {"facets drawn", count_text(statistics.facets_drawn)},
                  {"order", milliseconds_text(order.median_ms) + " ms a frame"},
                  {"blend", milliseconds_text(blend.median_ms) + " ms a frame"},

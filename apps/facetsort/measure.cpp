@@ -44,6 +44,7 @@ void measure_cost(StrategyRenderer& renderer, const RefereedView& refereed, std:
   row.order = is_slow ? first_order : time_median([&] { renderer.order(view); }, repeats);
   row.blend = time_median([&] { renderer.draw(view, refereed.format, picture); }, repeats);
   row.passes = renderer.passes();
+  row.bytes_per_pixel = renderer.bytes_per_pixel();
   row.prepared_bytes = renderer.prepared_bytes();
   row.pieces = renderer.pieces();
   row.triangles_out = renderer.triangles();
@@ -81,8 +82,7 @@ void judge_draw_order(const InputMesh& input, const StrategyRenderer& renderer, 
 
 // Nothing for the strategies that discard fragments on purpose.
 std::optional<std::size_t> count_miscovered(StrategyRenderer& renderer, const RefereedView& refereed) {
-  const StrategyKind kind = renderer.strategy().kind;
-  if (kind == StrategyKind::depth_prepass || kind == StrategyKind::depth_write) return std::nullopt;
+  if (renderer.strategy().discards_fragments()) return std::nullopt;
   Image coverage;
   renderer.draw_coverage(refereed.view, coverage);
   std::size_t miscovered = 0;

@@ -46,6 +46,7 @@
 #include "facetsort/blend/rasteriser.h"
 #include "facetsort/blend/fragment_lists.h"
 #include "facetsort/blend/strategy.h"
+#include "facetsort/blend/swap_error.h"
 
 #include "facetsort/check/verdict.h"
 #include "facetsort/check/picture_verdict.h"

@@ -1,6 +1,8 @@
 // facetsort inspect, facetsort blend.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <string>
 
@@ -66,6 +68,35 @@ TEST(Blend, DrawsTheSamePictureOnAnyNumberOfThreads) {
   const std::string unsorted = picture("unsorted", "1");
   EXPECT_TRUE(unsorted == picture("unsorted", "3"));
   EXPECT_TRUE(unsorted != reference);
+}
+
+TEST(Blend, ANumberOutOfRangeIsOneLineThatTellsTheRange) {
+  const TemporaryFolder folder;
+  const std::string box = write_mesh(folder, "box.ply", shapes::box());
+  const std::string path = (folder.path() / "picture.png").string();
+  for (const char* name : {"moment_based:5", "multi_layer:0", "stochastic:x", "depth_peeling:-1"}) {
+    const Finished finished = run_program({"blend", box, "--strategy", name, "--eye", "1,2,3", "-o", path});
+    EXPECT_EQ(finished.status, 2);
+    EXPECT_NE(finished.error.find("no strategy is named '" + std::string(name) + "'"), std::string::npos);
+    EXPECT_EQ(std::count(finished.error.begin(), finished.error.end(), '\n'), 1) << finished.error;
+    for (const char* range : {"moment_based:4|6", "multi_layer:1..64", "stochastic:1..64", "depth_peeling:1..1000"}) {
+      EXPECT_NE(finished.error.find(range), std::string::npos) << finished.error;
+    }
+  }
+  EXPECT_FALSE(std::filesystem::exists(path));
+}
+
+TEST(Blend, TellsPassesAndMemoryOfAStrategy) {
+  const TemporaryFolder folder;
+  const std::string box = write_mesh(folder, "box.ply", shapes::box());
+  const std::string path = (folder.path() / "picture.png").string();
+  const Finished finished = run_program(
+      {"blend", box, "--strategy", "moment_based:6", "--eye", "1,2,3", "--size", "32", "-o", path, "--json"});
+  ASSERT_EQ(finished.status, 0) << finished.error;
+  const Json json = Json::parse(finished.output);
+  EXPECT_EQ(json.at("strategy"), "moment_based:6");
+  EXPECT_EQ(json.at("passes"), 2);
+  EXPECT_EQ(json.at("bytes_per_pixel"), 44);
 }
 
 TEST(Blend, OptionsOfTheViewChangeThePicture) {

@@ -221,5 +221,57 @@ TEST(DepthPeeling, TellsLayersOneFloatStepApart) {
   }
 }
 
+// Four sheets of alpha 1/2, nearest red, then green, blue and white, and at most so many passes.
+TEST(DepthPeeling, LosesWhatIsLeftAfterTheLastPass) {
+  const Mesh mesh = sheets({3, 2, 1, 0});
+  const std::vector<glm::vec4> colours{{0.5f, 0, 0, 0.5f}, {0, 0.5f, 0, 0.5f}, {0, 0, 0.5f, 0.5f}, glm::vec4(0.5f)};
+  const float white = 0.0625f;  // of the fourth of all layers
+  const glm::vec4 all(0.5f + white, 0.25f + white, 0.125f + white, 1);
+  const struct {
+    Peeling peeling;
+    int most_passes, passes;  // that peel; that are drawn
+    glm::vec4 expected;
+  } cases[] = {{Peeling::front_to_back, 1, 1, {0.5f, 0, 0, 1}},
+               {Peeling::front_to_back, 2, 2, {0.5f, 0.25f, 0, 1}},
+               {Peeling::front_to_back, 3, 3, {0.5f, 0.25f, 0.125f, 1}},
+               {Peeling::front_to_back, 4, 4, all},
+               {Peeling::front_to_back, 9, 5, all},
+               // The nearest over the farthest: the two between are lost.
+               {Peeling::from_both_ends, 1, 2, {0.75f, 0.25f, 0.25f, 1}},
+               {Peeling::from_both_ends, 2, 3, all},
+               {Peeling::from_both_ends, 9, 3, all}};
+  for (const auto& [peeling, most_passes, passes, expected] : cases) {
+    SCOPED_TRACE(testing::Message() << most_passes << " passes, " << (peeling == Peeling::front_to_back));
+    View view;
+    view.eye = {0, 0, 10};
+    view.width = 5;
+    view.height = 3;
+    Image image;
+    const DrawStatistics statistics =
+        Rasteriser().peel(mesh.view(), view, index_order(mesh), colours, peeling, background, PixelFormat::rgba32f,
+                          image, {}, most_passes);
+    EXPECT_EQ(statistics.passes, passes);
+    EXPECT_EQ(statistics.facets_drawn, 4 * static_cast<std::size_t>(passes));
+    for (const glm::vec4& pixel : image.pixels) EXPECT_EQ(pixel, expected);
+  }
+}
+
+// Babylon.js draws ten layers in five passes.
+TEST(DepthPeeling, ALimitBeyondTheLayersChangesNothing) {
+  const Mesh mesh = load("cocktailglass_8k");
+  const View view = view_of(mesh, Projection::perspective);
+  ASSERT_LE(most_layers(collect_fragments(mesh.view(), view)), 10u);
+  const auto picture = [&](const char* name) {
+    StrategyRenderer renderer(mesh.view(), strategy_from_name(name).value());
+    Image image;
+    renderer.draw(view, PixelFormat::rgba32f, image);
+    return image.pixels;
+  };
+  EXPECT_EQ(picture("depth_peeling:10"), picture("depth_peeling"));
+  EXPECT_EQ(picture("dual_depth_peeling:5"), picture("dual_depth_peeling"));
+  EXPECT_NE(picture("depth_peeling:2"), picture("depth_peeling"));
+  EXPECT_NE(picture("dual_depth_peeling:1"), picture("dual_depth_peeling"));
+}
+
 }  // namespace
 }  // namespace facetsort

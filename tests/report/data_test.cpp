@@ -26,6 +26,7 @@ const std::vector<std::string>& row_keys() {
                                              "pieces",
                                              "triangles_out",
                                              "passes",
+                                             "bytes_per_pixel",
                                              "prepare_ms",
                                              "prepared_bytes",
                                              "order_ms",

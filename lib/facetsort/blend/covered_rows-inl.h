@@ -39,6 +39,14 @@ HWY_INLINE hn::Mask<FloatTag> mask_of(RowBits bits) {
   return hn::LoadMaskBits(FloatTag(), bytes);
 }
 
+HWY_INLINE RowBits bits_of(hn::Mask<FloatTag> mask) {
+  alignas(8) std::uint8_t bytes[8] = {};
+  hn::StoreMaskBits(FloatTag(), mask, bytes);
+  RowBits bits = 0;
+  std::memcpy(&bits, bytes, sizeof bits);
+  return bits;
+}
+
 // The line functions that bound one facet or piece in one tile, in float: a dx + b dy + c for the pixel that is dx
 // and dy away from (origin_x, origin_y). A pixel of the entry's box is covered where every one exceeds `error`, and is
 // not where one is below -error; between, float can't tell. `error` also allows for dividing by `a`, to solve for dx.

@@ -138,8 +138,10 @@ void draw_flat_pass(const TileTask& task, const DrawPass& pass, int tile, FlatTi
     if (is_culled(pass, entry)) continue;
     FlatSource source;
     const glm::vec4& colour = task.colours[entry.facet];
-    for (int channel = 0; channel < 4; ++channel) source.colour[channel] = colour[channel] * scale;
-    source.transparency = 1.0f - colour.a;
+    const float alpha = pass.blend == BlendMode::additive ? 0.0f : colour.a;
+    for (int channel = 0; channel < 3; ++channel) source.colour[channel] = colour[channel] * scale;
+    source.colour[3] = alpha * scale;
+    source.transparency = 1.0f - alpha;
     if (entry.how() == Coverage::known) {
       blend_square<eight_bits>(source, entry.detail, pixels.pixel(entry.x0, entry.y0));
     } else {
@@ -170,13 +172,13 @@ void write_flat_tile(const TileTask& task, const FlatTile& pixels, int tile) {
   const int x0 = task.bins.tile_x(tile), y0 = task.bins.tile_y(tile);
   const int width = std::min(tile_size, task.image.width - x0);
   const int height = std::min(tile_size, task.image.height - y0);
-  const auto unit = hn::Set(d, 1.0f / channel_scale(task));
+  const auto unit = hn::Set(d, 1.0f / channel_scale(task)), most = hn::Set(d, channel_scale(task));
   for (int y = 0; y < height; ++y) {
     const float* from = pixels.channels + 4 * y * tile_size;
     float* to = picture_row(task.image, x0, y0 + y);
     for (int i = 0; i < 4 * width; i += static_cast<int>(hn::Lanes(d))) {
       const auto values = hn::Load(d, from + i);
-      hn::Stream(eight_bits ? hn::Mul(values, unit) : values, d, to + i);
+      hn::Stream(eight_bits ? hn::Mul(hn::Min(values, most), unit) : values, d, to + i);
     }
   }
   hwy::FlushStream();

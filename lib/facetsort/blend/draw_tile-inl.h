@@ -24,7 +24,7 @@ template <bool vertex_colours, bool depth>
 void draw_shaded_pass(const TileTask& task, const DrawPass& pass, int tile, DrawnTile& drawn) {
   const FloatTag d;
   const ProjectedMesh& projected = task.projected;
-  const bool eight_bits = task.format == PixelFormat::rgba8;
+  const bool eight_bits = task.format == PixelFormat::rgba8, is_additive = pass.blend == BlendMode::additive;
   const float scale = channel_scale(task);
   if (!pass.colour_write && !pass.depth_write) return;
   const int x0 = task.bins.tile_x(tile), y0 = task.bins.tile_y(tile);
@@ -60,6 +60,10 @@ void draw_shaded_pass(const TileTask& task, const DrawPass& pass, int tile, Draw
       blend_paint<vertex_colours>(
           paint, scale, x, y,
           [&](int channel, hn::VFromD<FloatTag> source, hn::VFromD<FloatTag> transparency) HWY_ATTR {
+            if (is_additive) {
+              if (channel == 3) return;
+              transparency = hn::Set(d, 1.0f);
+            }
             float* plane = drawn.colours.channel[channel].pixel + pixel;
             const auto below = hn::Load(d, plane);
             auto blended = hn::Add(source, hn::Mul(below, transparency));

@@ -12,9 +12,13 @@
 #include "facetsort/blend/colour_facets-inl.h"
 #include "facetsort/blend/covered_rows-inl.h"
 #include "facetsort/blend/draw_tile-inl.h"
+#include "facetsort/blend/moment_based-inl.h"
+#include "facetsort/blend/multi_layer-inl.h"
 #include "facetsort/blend/peel_tile-inl.h"
 #include "facetsort/blend/place_facets-inl.h"
 #include "facetsort/blend/project_vertices-inl.h"
+#include "facetsort/blend/stochastic-inl.h"
+#include "facetsort/blend/weighted_blended-inl.h"
 
 HWY_BEFORE_NAMESPACE();
 namespace facetsort::blend_internal::HWY_NAMESPACE {
@@ -47,6 +51,10 @@ HWY_EXPORT(FinishDrawing);
 HWY_EXPORT(StartPeeling);
 HWY_EXPORT(PeelTile);
 HWY_EXPORT(FinishPeeling);
+HWY_EXPORT(DrawWeightedBlended);
+HWY_EXPORT(DrawMomentBased);
+HWY_EXPORT(DrawMultiLayer);
+HWY_EXPORT(DrawStochastic);
 HWY_EXPORT(CollectTile);
 HWY_EXPORT(ProjectVertices);
 HWY_EXPORT(PlaceFacets);
@@ -78,6 +86,22 @@ bool peel_tile(const TileTask& task, Peeling peeling, int tile, PeeledTile& peel
 
 void finish_peeling(const TileTask& task, int tile, PeeledTile& peeled) {
   HWY_DYNAMIC_DISPATCH(FinishPeeling)(task, tile, peeled);
+}
+
+void draw_weighted_blended(const TileTask& task, const DepthRange& range, int tile) {
+  HWY_DYNAMIC_DISPATCH(DrawWeightedBlended)(task, range, tile);
+}
+
+void draw_moment_based(const TileTask& task, const DepthRange& range, int moments, int tile) {
+  HWY_DYNAMIC_DISPATCH(DrawMomentBased)(task, range, moments, tile);
+}
+
+void draw_multi_layer(const TileTask& task, std::span<KeptLayer> layers, int tile) {
+  HWY_DYNAMIC_DISPATCH(DrawMultiLayer)(task, layers, tile);
+}
+
+void draw_stochastic(const TileTask& task, const SampleMasks& masks, std::span<SampleVector> depths, int tile) {
+  HWY_DYNAMIC_DISPATCH(DrawStochastic)(task, masks, depths, tile);
 }
 
 void collect_tile(const ProjectedMesh& projected, const FacetBins& bins, int tile,

@@ -64,6 +64,7 @@ double distance_along_axis(const ProjectedMesh& projected, std::uint32_t facet, 
 
 // How a facet is coloured in one tile.
 struct Paint {
+  std::uint32_t facet;
   glm::vec4 flat;  // premultiplied, where each facet has one colour
   Interpolant denominator, colour[4], place_in_texture[2];
   const Texture* texture;
@@ -72,7 +73,8 @@ struct Paint {
 
   // `edges`: in the coordinates of the tile.
   template <bool vertex_colours>
-  void set_up(const TileTask& task, std::uint32_t facet, const FacetEdges& edges) {
+  void set_up(const TileTask& task, std::uint32_t painted, const FacetEdges& edges) {
+    facet = painted;
     if constexpr (vertex_colours) {
       const MeshView& mesh = task.projected.mesh;
       light = headlight(mesh, facet, task.projected.view.homogeneous_eye());
@@ -163,6 +165,13 @@ HWY_INLINE void blend_paint(const Paint& paint, float channel_scale, int x, int 
   }
 }
 
+// Of the vector of pixels that starts at (x, y).
+template <bool vertex_colours>
+HWY_INLINE hn::VFromD<FloatTag> alpha_of(const Paint& paint, int x, int y) {
+  if constexpr (vertex_colours) return interpolate(paint.colour[3], paint.denominator, x, y);
+  return hn::Set(FloatTag(), paint.flat.a);
+}
+
 // What a channel of 1 is in units of the format.
 float channel_scale(const TileTask& task) { return task.format == PixelFormat::rgba8 ? 255.0f : 1.0f; }
 
@@ -188,18 +197,20 @@ float* picture_row(Image& image, int x, int y) {
   return &image.pixels[row + static_cast<std::size_t>(x)].x;
 }
 
+// An 8-bit target holds no more than 1.
 void write_tile(const TileTask& task, const TileColours& colours, int x0, int y0) {
   const FloatTag d;
   const int lanes = static_cast<int>(hn::Lanes(d));
   const int width = std::min(tile_size, task.image.width - x0);
   const int height = std::min(tile_size, task.image.height - y0);
   const auto scale = hn::Set(d, 1.0f / channel_scale(task));
+  const auto most = hn::Set(d, task.format == PixelFormat::rgba8 ? channel_scale(task) : infinity);
   HWY_ALIGN float interleaved[4 * tile_size];
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < tile_size; x += lanes) {
       const std::size_t pixel = static_cast<std::size_t>(y * tile_size + x);
       const auto channel = [&](int k) HWY_ATTR {
-        return hn::Mul(hn::Load(d, colours.channel[k].pixel + pixel), scale);
+        return hn::Mul(hn::Min(hn::Load(d, colours.channel[k].pixel + pixel), most), scale);
       };
       hn::StoreInterleaved4(channel(0), channel(1), channel(2), channel(3), d, interleaved + 4 * x);
     }

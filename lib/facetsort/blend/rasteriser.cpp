@@ -1,18 +1,86 @@
 #include "facetsort/blend/rasteriser.h"
 
+#include <tbb/parallel_reduce.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
 #include <atomic>
 #include <cassert>
+#include <limits>
+#include <utility>
 
 #include "facetsort/base/parallel.h"
 #include "facetsort/blend/tile_kernels.h"
 
 namespace facetsort {
+namespace {
+
+using blend_internal::DepthRange;
+
+constexpr std::size_t facets_per_task = 16384;
+constexpr std::size_t pixels_per_tile = blend_internal::tile_size * blend_internal::tile_size;
+
+static_assert(most_depth_samples == blend_internal::SampleMasks::most_samples);
+
+// Of the facets drawn: vertices that none uses do not count.
+DepthRange find_depth_range(const blend_internal::ProjectedMesh& projected, std::span<const std::uint32_t> facets) {
+  // Where the near plane is at the eye, depth still ends somewhere.
+  constexpr float least_share_of_farthest = 1e-6f;
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  using Range = std::pair<double, double>;
+  const Camera& camera = projected.camera;
+  const auto distance = [&](std::uint32_t vertex) {
+    return camera.perspective ? projected.vertices[vertex].w
+                              : glm::dot(camera.forward, glm::dvec3(projected.mesh.positions[vertex]) - camera.eye);
+  };
+  const auto [low, high] = tbb::parallel_reduce(
+      tbb::blocked_range<std::size_t>(0, facets.size(), facets_per_task), Range(infinity, -infinity),
+      [&](const tbb::blocked_range<std::size_t>& range, Range found) {
+        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+          for (int corner = 0; corner < 3; ++corner) {
+            const double at = distance(projected.mesh.triangles[facets[i]][corner]);
+            found = {std::min(found.first, at), std::max(found.second, at)};
+          }
+        }
+        return found;
+      },
+      [](const Range& a, const Range& b) { return Range(std::min(a.first, b.first), std::max(a.second, b.second)); });
+  if (!(low <= high)) return {1, 1, camera.perspective};
+  DepthRange range{static_cast<float>(low), static_cast<float>(high), camera.perspective};
+  if (camera.perspective) {
+    range.farthest = std::max(range.farthest, std::numeric_limits<float>::min());
+    range.nearest = std::max({range.nearest, static_cast<float>(camera.near_distance),
+                              least_share_of_farthest * range.farthest});
+    range.farthest = std::max(range.farthest, range.nearest);
+  }
+  return range;
+}
+
+// What a thread needs for the tile it draws.
+struct ThreadScratch {
+  std::vector<blend_internal::KeptLayer> layers;
+  std::vector<blend_internal::SampleVector> samples;
+};
+
+// The thread's place in its arena; 0 where it works alone.
+std::size_t thread_place() {
+  const int place = tbb::this_task_arena::current_thread_index();
+  return place == tbb::task_arena::not_initialized ? 0 : static_cast<std::size_t>(place);
+}
+
+int passes_of(OrderIndependent method) {
+  return method == OrderIndependent::moments || method == OrderIndependent::stochastic ? 2 : 1;
+}
+
+}  // namespace
 
 struct Rasteriser::Scratch {
   blend_internal::ProjectedMesh projected;
   blend_internal::FacetBins bins;
   std::vector<blend_internal::PeeledTile> peeled_tiles;
   std::vector<blend_internal::DrawnTile> drawn_tiles;
+  std::vector<ThreadScratch> threads;  // of the arena
+  blend_internal::SampleMasks masks;
 
   // Resizes the image, and projects what is to be drawn.
   blend_internal::TileTask prepare(const MeshView& mesh, const View& view, std::span<const glm::vec4> colours,
@@ -40,6 +108,13 @@ struct Rasteriser::Scratch {
   std::size_t facets_drawn(const DrawPass& pass) const {
     return (pass.cull != Cull::back_faces ? bins.back_facets() : 0) +
            (pass.cull != Cull::front_faces ? bins.front_facets() : 0);
+  }
+
+  // For every thread that may come: none allocates while it draws.
+  template <typename Resize>
+  void make_room(const Resize& resize) {
+    threads.resize(static_cast<std::size_t>(tbb::this_task_arena::max_concurrency()));
+    for (ThreadScratch& thread : threads) resize(thread);
   }
 
   template <typename Body>
@@ -94,16 +169,19 @@ DrawStatistics Rasteriser::draw(const MeshView& mesh, const View& view, std::spa
 
 DrawStatistics Rasteriser::peel(const MeshView& mesh, const View& view, std::span<const std::uint32_t> order,
                                 std::span<const glm::vec4> colours, Peeling peeling, const glm::vec4& clear_colour,
-                                PixelFormat format, Image& image, const Pieces& pieces) {
+                                PixelFormat format, Image& image, const Pieces& pieces, int most_passes) {
+  assert(most_passes >= 1);
   const blend_internal::TileTask task =
       scratch_->prepare(mesh, view, order, colours, clear_colour, format, image, pieces);
+  // The first pass from both ends peels nothing.
+  if (peeling == Peeling::from_both_ends && most_passes < no_pass_limit) ++most_passes;
   std::vector<blend_internal::PeeledTile>& tiles = scratch_->peeled_tiles;
   tiles.resize(static_cast<std::size_t>(scratch_->bins.tiles()));
   scratch_->for_each_tile(
       [&](int tile) { blend_internal::start_peeling(task, tiles[static_cast<std::size_t>(tile)]); });
   DrawStatistics statistics;
   std::atomic<bool> more = true;
-  for (; more; ++statistics.passes) {
+  for (; more && statistics.passes < most_passes; ++statistics.passes) {
     more = false;
     scratch_->for_each_tile([&](int tile) {
       if (blend_internal::peel_tile(task, peeling, tile, tiles[static_cast<std::size_t>(tile)])) more = true;
@@ -115,6 +193,52 @@ DrawStatistics Rasteriser::peel(const MeshView& mesh, const View& view, std::spa
   statistics.facets_drawn = (scratch_->bins.front_facets() + scratch_->bins.back_facets()) *
                             static_cast<std::size_t>(statistics.passes);
   return statistics;
+}
+
+DrawStatistics Rasteriser::draw_order_independent(const MeshView& mesh, const View& view,
+                                                  std::span<const std::uint32_t> order,
+                                                  std::span<const glm::vec4> colours, OrderIndependent method,
+                                                  int count, const glm::vec4& clear_colour, PixelFormat format,
+                                                  Image& image) {
+  const blend_internal::TileTask task = scratch_->prepare(mesh, view, order, colours, clear_colour, format, image, {});
+  switch (method) {
+    case OrderIndependent::weighted: {
+      const DepthRange range = find_depth_range(scratch_->projected, order);
+      scratch_->for_each_tile([&](int tile) { blend_internal::draw_weighted_blended(task, range, tile); });
+      break;
+    }
+    case OrderIndependent::moments: {
+      assert(count == 4 || count == 6);
+      const DepthRange range = find_depth_range(scratch_->projected, order);
+      scratch_->for_each_tile([&](int tile) { blend_internal::draw_moment_based(task, range, count, tile); });
+      break;
+    }
+    case OrderIndependent::layers: {
+      assert(count >= 1 && count <= most_kept_layers);
+      scratch_->make_room([&](ThreadScratch& thread) {
+        thread.layers.resize(pixels_per_tile * static_cast<std::size_t>(count));
+      });
+      scratch_->for_each_tile([&](int tile) {
+        blend_internal::draw_multi_layer(task, scratch_->threads[thread_place()].layers, tile);
+      });
+      break;
+    }
+    case OrderIndependent::stochastic: {
+      assert(count >= 1 && count <= most_depth_samples);
+      constexpr int at_once = blend_internal::samples_per_vector;
+      scratch_->masks.set_samples(count);
+      scratch_->make_room([&](ThreadScratch& thread) {
+        thread.samples.resize(pixels_per_tile * static_cast<std::size_t>((count + at_once - 1) / at_once));
+      });
+      scratch_->for_each_tile([&](int tile) {
+        blend_internal::draw_stochastic(task, scratch_->masks, scratch_->threads[thread_place()].samples, tile);
+      });
+      break;
+    }
+  }
+  const int passes = passes_of(method);
+  const std::size_t facets = scratch_->bins.front_facets() + scratch_->bins.back_facets();
+  return {.facets_drawn = facets * static_cast<std::size_t>(passes), .passes = passes};
 }
 
 }  // namespace facetsort

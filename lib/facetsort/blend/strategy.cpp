@@ -1,9 +1,7 @@
 #include "facetsort/blend/strategy.h"
 
 #include <algorithm>
-#include <charconv>
 #include <numeric>
-#include <system_error>
 
 #include "facetsort/base/parallel.h"
 #include "facetsort/blend/coverage.h"
@@ -17,27 +15,6 @@ namespace {
 
 constexpr std::size_t pixels_per_task = 4096;
 
-struct NamedKind {
-  StrategyKind kind;
-  std::string_view name;
-};
-
-// In the order in which reports show them.
-constexpr NamedKind kinds[] = {
-    {StrategyKind::unsorted, "unsorted"},
-    {StrategyKind::double_sided, "double_sided"},
-    {StrategyKind::separate_culling_pass, "separate_culling_pass"},
-    {StrategyKind::depth_prepass, "depth_prepass"},
-    {StrategyKind::depth_write, "depth_write"},
-    {StrategyKind::facet_sort, "facet_sort"},
-    {StrategyKind::presorted_buffers, "presorted_buffers"},
-    {StrategyKind::depth_peeling, "depth_peeling"},
-    {StrategyKind::dual_depth_peeling, "dual_depth_peeling"},
-    {StrategyKind::reference, "reference"},
-};
-
-constexpr std::string_view separator = ":";  // of a kind from its method or number
-
 // What the blend target is told to do for a kind; nothing for those that do not draw a fixed number of passes.
 std::vector<DrawPass> draw_passes(StrategyKind kind) {
   const DrawPass plain;
@@ -46,7 +23,10 @@ std::vector<DrawPass> draw_passes(StrategyKind kind) {
     case StrategyKind::unsorted:
     case StrategyKind::facet_sort:
     case StrategyKind::presorted_buffers:
+    case StrategyKind::premultiplied_over:
       return {plain};
+    case StrategyKind::additive:
+      return {{.blend = BlendMode::additive}};
     case StrategyKind::separate_culling_pass:
       return {backs, fronts};
     case StrategyKind::double_sided:
@@ -58,6 +38,10 @@ std::vector<DrawPass> draw_passes(StrategyKind kind) {
       return {{.depth_test = DepthTest::less_or_equal, .depth_write = true}};
     case StrategyKind::depth_peeling:
     case StrategyKind::dual_depth_peeling:
+    case StrategyKind::weighted_blended:
+    case StrategyKind::moment_based:
+    case StrategyKind::multi_layer:
+    case StrategyKind::stochastic:
     case StrategyKind::reference:
       break;
   }
@@ -70,6 +54,24 @@ std::optional<Peeling> peeling_of(StrategyKind kind) {
   return std::nullopt;
 }
 
+std::optional<OrderIndependent> order_independent(StrategyKind kind) {
+  switch (kind) {
+    case StrategyKind::weighted_blended:
+      return OrderIndependent::weighted;
+    case StrategyKind::moment_based:
+      return OrderIndependent::moments;
+    case StrategyKind::multi_layer:
+      return OrderIndependent::layers;
+    case StrategyKind::stochastic:
+      return OrderIndependent::stochastic;
+    default:
+      return std::nullopt;
+  }
+}
+
+// Of what is kept a pixel.
+constexpr std::size_t value_bytes = sizeof(float), colour_bytes = 4 * value_bytes;
+
 void resize_image(const View& view, PixelFormat format, Image& image) {
   image.width = view.width;
   image.height = view.height;
@@ -77,61 +79,7 @@ void resize_image(const View& view, PixelFormat format, Image& image) {
   image.pixels.resize(static_cast<std::size_t>(view.width) * static_cast<std::size_t>(view.height));
 }
 
-std::optional<std::size_t> buffers_from_text(std::string_view text) {
-  std::size_t buffers = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), buffers);
-  const bool is_number = error == std::errc() && end == text.data() + text.size();
-  return is_number && buffers >= 1 && buffers <= Strategy::most_buffers ? std::optional(buffers) : std::nullopt;
-}
-
 }  // namespace
-
-bool Strategy::draws_in_order() const {
-  return kind == StrategyKind::unsorted || kind == StrategyKind::separate_culling_pass ||
-         kind == StrategyKind::double_sided || kind == StrategyKind::facet_sort ||
-         kind == StrategyKind::presorted_buffers;
-}
-
-std::string Strategy::name() const {
-  for (const NamedKind& named : kinds) {
-    if (named.kind != kind) continue;
-    std::string text(named.name);
-    if (kind == StrategyKind::facet_sort) text.append(separator).append(method_name(method));
-    if (kind == StrategyKind::presorted_buffers) text.append(separator).append(std::to_string(buffers));
-    return text;
-  }
-  return {};
-}
-
-std::vector<Strategy> all_strategies() {
-  std::vector<Strategy> strategies;
-  for (const NamedKind& named : kinds) {
-    if (named.kind == StrategyKind::facet_sort) {
-      for (const Method method : all_methods()) strategies.push_back({named.kind, method});
-    } else if (named.kind != StrategyKind::presorted_buffers) {
-      strategies.push_back({.kind = named.kind});
-    }
-  }
-  return strategies;
-}
-
-std::optional<Strategy> strategy_from_name(std::string_view name) {
-  const std::size_t end = std::min(name.find(separator), name.size());
-  const std::string_view detail = name.substr(std::min(end + separator.size(), name.size()));
-  for (const NamedKind& named : kinds) {
-    if (named.name != name.substr(0, end)) continue;
-    if (named.kind == StrategyKind::presorted_buffers) {
-      const std::optional<std::size_t> buffers = buffers_from_text(detail);
-      if (!buffers) return std::nullopt;
-      return Strategy{.kind = named.kind, .buffers = *buffers};
-    }
-    if (end == name.size()) return Strategy{.kind = named.kind};
-    if (named.kind != StrategyKind::facet_sort) return std::nullopt;
-    const std::optional<Method> method = method_from_name(detail);
-    if (method) return Strategy{.kind = named.kind, .method = *method};
-  }
-  return std::nullopt;
-}
 
 struct StrategyRenderer::State {
   MeshView mesh;
@@ -146,6 +94,7 @@ struct StrategyRenderer::State {
   std::vector<glm::vec4> colours;
   Rasteriser rasteriser;
   int passes_drawn = 1;
+  std::size_t longest_list = 0;  // of the last reference drawn
 
   Pieces pieces() const { return exact_sorter ? exact_sorter->pieces() : Pieces{}; }
 
@@ -153,7 +102,12 @@ struct StrategyRenderer::State {
   DrawStatistics draw(const View& view, std::span<const glm::vec4> facet_colours, const glm::vec4& clear_colour,
                       PixelFormat format, Image& image) {
     if (const std::optional<Peeling> peeling = peeling_of(strategy.kind)) {
-      return rasteriser.peel(mesh, view, order, facet_colours, *peeling, clear_colour, format, image);
+      const int most_passes = strategy.number == 0 ? no_pass_limit : static_cast<int>(strategy.number);
+      return rasteriser.peel(mesh, view, order, facet_colours, *peeling, clear_colour, format, image, {}, most_passes);
+    }
+    if (const std::optional<OrderIndependent> method = order_independent(strategy.kind)) {
+      return rasteriser.draw_order_independent(mesh, view, order, facet_colours, *method,
+                                               static_cast<int>(strategy.number), clear_colour, format, image);
     }
     return rasteriser.draw(mesh, view, order, facet_colours, passes, clear_colour, format, image, pieces());
   }
@@ -203,6 +157,10 @@ DrawStatistics StrategyRenderer::draw(const View& view, PixelFormat format, Imag
   if (state.strategy.kind == StrategyKind::reference) {
     const FragmentLists lists = collect_fragments(state.mesh, view);
     blend_lists(state.mesh, view, lists, format, image);
+    state.longest_list = 0;
+    for (std::size_t pixel = 0; pixel < image.pixels.size(); ++pixel) {
+      state.longest_list = std::max(state.longest_list, lists.pixel(pixel).size());
+    }
     return {.facets_drawn = lists.facets_drawn, .passes = 1};
   }
   if (has_one_colour_per_facet(state.mesh)) facet_colours(state.mesh, view.homogeneous_eye(), state.colours);
@@ -223,6 +181,12 @@ void StrategyRenderer::draw_coverage(const View& view, Image& image) {
   }
   // Premultiplied source-over with alpha 0 adds: each fragment counts 1 in red.
   const std::vector<glm::vec4> ones(state.mesh.facet_count(), glm::vec4(1, 0, 0, 0));
+  if (order_independent(state.strategy.kind)) {
+    // Each of its passes covers what one plain pass does, but what it blends there are no counts.
+    const DrawPass plain[] = {{}};
+    state.rasteriser.draw(state.mesh, view, state.order, ones, plain, glm::vec4(0), PixelFormat::rgba32f, image);
+    return;
+  }
   state.draw(view, ones, glm::vec4(0), PixelFormat::rgba32f, image);
 }
 
@@ -252,6 +216,31 @@ const Strategy& StrategyRenderer::strategy() const {
 int StrategyRenderer::passes() const {
   const State& state = *state_;
   return state.passes.empty() ? state.passes_drawn : static_cast<int>(state.passes.size());
+}
+
+std::size_t StrategyRenderer::bytes_per_pixel() const {
+  const State& state = *state_;
+  switch (state.strategy.kind) {
+    case StrategyKind::depth_prepass:
+    case StrategyKind::depth_write:
+      return value_bytes;
+    case StrategyKind::depth_peeling:  // layers so far; this pass's layer, and its and the last one's depth
+      return 2 * colour_bytes + 2 * value_bytes;
+    case StrategyKind::dual_depth_peeling:  // the same at both ends
+      return 2 * (2 * colour_bytes + 2 * value_bytes);
+    case StrategyKind::weighted_blended:  // the sum, and the transmittance
+      return colour_bytes + value_bytes;
+    case StrategyKind::moment_based:  // the sum, the absorbance, which is the transmittance, and its moments
+      return colour_bytes + (1 + state.strategy.number) * value_bytes;
+    case StrategyKind::multi_layer:
+      return state.strategy.number * (colour_bytes + value_bytes);
+    case StrategyKind::stochastic:  // depths, the sum, and the transmittance
+      return state.strategy.number * value_bytes + colour_bytes + value_bytes;
+    case StrategyKind::reference:
+      return state.longest_list * sizeof(Fragment);
+    default:
+      return 0;
+  }
 }
 
 std::size_t StrategyRenderer::pieces() const {

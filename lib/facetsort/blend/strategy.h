@@ -33,26 +33,40 @@ enum class StrategyKind {
   presorted_buffers,      // one of a few fixed orders of whole facets, by the direction of the eye (see IndexBuffers)
   depth_peeling,          // a layer a pass, from the front, until none is left (Everitt 2001; vtkDepthPeelingPass)
   dual_depth_peeling,     // two layers a pass, the nearest and the farthest left (Bavoil and Myers 2008;
-                          // vtkDualDepthPeelingPass)
+                          // vtkDualDepthPeelingPass, Babylon.js useOrderIndependentTransparency)
+  weighted_blended,       // see OrderIndependent, as for the next three
+  moment_based,
+  multi_layer,
+  stochastic,
+  additive,               // index order, colours added (see BlendMode): another picture than source-over's, which it is
+                          // compared with all the same, to say how far from it
+  premultiplied_over,     // index order: the picture of `unsorted`, under the name of what it trusts in, that alphas are
+                          // so small that no order is needed (see order_error_bound())
   reference,              // every fragment of a pixel blended by its own depth
 };
 
 struct Strategy {
   StrategyKind kind = StrategyKind::unsorted;
   Method method = Method::centroid_distance;  // of facet_sort
-  std::size_t buffers = 0;                    // of presorted_buffers; 1 to most_buffers
+  // Of presorted_buffers: how many; depth peeling: most passes that peel, 0 for as many as it takes; moment_based:
+  // moments; multi_layer: layers a pixel; stochastic: samples a pixel.
+  std::size_t number = 0;
 
-  static constexpr std::size_t most_buffers = 1000;
+  static constexpr std::size_t most_buffers = 1000, most_passes = 1000;
 
   bool operator==(const Strategy&) const = default;
   // Whether each facet, or each piece of it, is drawn at one place of an order, so that inversions can be counted.
   bool draws_in_order() const;
-  // "unsorted", "facet_sort:centroid_distance", "presorted_buffers:10", ...
+  // Whether some fragments are left out on purpose, so that coverage can't be counted.
+  bool discards_fragments() const;
+  // "unsorted", "facet_sort:centroid_distance", "presorted_buffers:10", "depth_peeling", "depth_peeling:5", ...
   std::string name() const;
 };
 
 // Every strategy that needs no number, in the order in which reports show them; `reference` last.
 std::vector<Strategy> all_strategies();
+// What the names of the others look like: "multi_layer:1..64", "moment_based:4|6", ...
+std::vector<std::string> numbered_strategy_names();
 // Knows every name() and, as method, its alias.
 std::optional<Strategy> strategy_from_name(std::string_view name);
 
@@ -85,6 +99,9 @@ class StrategyRenderer {
 
   const Strategy& strategy() const;
   int passes() const;                  // over the geometry; of depth peeling, for the last draw()
+  // What drawing keeps a pixel beside the picture, in float32 (facetsort's own tiles need it for a few at a time, a
+  // graphics interface for all). Of reference: what the longest list of the last draw() takes.
+  std::size_t bytes_per_pixel() const;
   std::size_t pieces() const;          // whole facets, and pieces of the others, for the last order()
   std::size_t triangles() const;       // that those are as plain triangles; counting them takes time where some are cut
   std::size_t prepared_bytes() const;  // held beyond the mesh, made at construction

@@ -8,6 +8,7 @@
 #include "facetsort/blend/bins.h"
 #include "facetsort/blend/image.h"
 #include "facetsort/blend/rasteriser.h"
+#include "facetsort/blend/sample_masks.h"
 
 namespace facetsort::blend_internal {
 
@@ -55,6 +56,36 @@ void start_peeling(const TileTask& task, PeeledTile& peeled);
 bool peel_tile(const TileTask& task, Peeling peeling, int tile, PeeledTile& peeled);
 // After the last pass: writes the image's part.
 void finish_peeling(const TileTask& task, int tile, PeeledTile& peeled);
+
+// The mesh's nearest and farthest vertex along the camera axis; in perspective no nearer than the near plane.
+struct DepthRange {
+  float nearest, farthest;
+  bool perspective;
+
+  // A distance along the camera axis as a depth buffer has it: see ScreenDepth.
+  float screen_depth(float distance) const { return perspective ? -1 / distance : distance; }
+};
+
+void draw_weighted_blended(const TileTask& task, const DepthRange& range, int tile);
+
+// `moments`: 4 or 6.
+void draw_moment_based(const TileTask& task, const DepthRange& range, int moments, int tile);
+
+// A fragment, or several blended, that multi-layer alpha blending keeps.
+struct KeptLayer {
+  float depth;  // see ScreenDepth
+  glm::vec4 colour;
+};
+// `layers`: scratch, for as many layers a pixel as it has room for in all of a tile's, at most most_kept_layers.
+void draw_multi_layer(const TileTask& task, std::span<KeptLayer> layers, int tile);
+
+// Depths of some of the samples of a pixel.
+inline constexpr int samples_per_vector = 16;
+struct alignas(64) SampleVector {
+  float depth[samples_per_vector];
+};
+// `depths`: scratch, for all the samples of each of a tile's pixels.
+void draw_stochastic(const TileTask& task, const SampleMasks& masks, std::span<SampleVector> depths, int tile);
 
 // A fragment in a tile, pixel = y * tile_size + x.
 struct TileFragment {

@@ -31,6 +31,7 @@ struct Row {
   std::size_t pieces = 0;         // facets in, plus what cuts added
   std::size_t triangles_out = 0;
   int passes = 1;                 // over the geometry
+  std::size_t bytes_per_pixel = 0;  // kept beside the picture
   double prepare_ms = 0;          // once a mesh
   std::size_t prepared_bytes = 0;
   Timing order;                   // per frame

@@ -73,6 +73,7 @@ StrategySummary summarise_strategy(const Rows& rows) {
   summary.prepare_ms = median(rows, [](const Row& row) { return row.prepare_ms; });
   for (const Row* row : rows) {
     raise(summary.passes, row->passes);
+    raise(summary.bytes_per_pixel, row->bytes_per_pixel);
     raise(summary.facets_drawn, row->facets_drawn);
     raise(summary.pieces, row->pieces);
     raise(summary.triangles_out, row->triangles_out);

@@ -40,7 +40,7 @@ struct StrategySummary {
   double prepare_ms = 0;
   int passes = 1;
   // The most of any view.
-  std::size_t facets_drawn = 0, pieces = 0, triangles_out = 0, prepared_bytes = 0, peak_bytes = 0;
+  std::size_t bytes_per_pixel = 0, facets_drawn = 0, pieces = 0, triangles_out = 0, prepared_bytes = 0, peak_bytes = 0;
   double max_error = 0;
   std::optional<double> worst_backtrack;
   double rmse = 0;  // mean of the views

@@ -42,6 +42,7 @@ Json row_json(const Row& row) {
           {"pieces", row.pieces},
           {"triangles_out", row.triangles_out},
           {"passes", row.passes},
+          {"bytes_per_pixel", row.bytes_per_pixel},
           {"prepare_ms", row.prepare_ms},
           {"prepared_bytes", row.prepared_bytes},
           {"order_ms", row.order.median_ms},

@@ -532,7 +532,7 @@ std::string error_text(double value) {
 }
 
 std::string mesh_table_html(const MeshResults& results, const Marks& marks) {
-  static constexpr std::array<std::array<std::string_view, 2>, 20> headings{{{"wrong", "%, mean"},
+  static constexpr std::array<std::array<std::string_view, 2>, 21> headings{{{"wrong", "%, mean"},
                                                                              {"wrong", "%, worst view"},
                                                                              {"inverted", "%, mean"},
                                                                              {"inverted", "%, worst view"},
@@ -540,6 +540,7 @@ std::string mesh_table_html(const MeshResults& results, const Marks& marks) {
                                                                              {"blend", "ms"},
                                                                              {"prepare", "ms, once"},
                                                                              {"passes", "a frame"},
+                                                                             {"kept", "bytes a pixel"},
                                                                              {"facets drawn", "most"},
                                                                              {"pieces", "most"},
                                                                              {"triangles out", "most"},
@@ -570,6 +571,7 @@ std::string mesh_table_html(const MeshResults& results, const Marks& marks) {
                                                          timing_text(strategy.blend),
                                                          milliseconds_number(strategy.prepare_ms),
                                                          std::to_string(strategy.passes),
+                                                         count_text(strategy.bytes_per_pixel),
                                                          count_text(strategy.facets_drawn),
                                                          count_text(strategy.pieces),
                                                          count_text(strategy.triangles_out),

@@ -51,7 +51,7 @@ struct BabylonSubMesh {
 
 // Which of two statements about a material wins.
 enum class BabylonTransparencyRule {
-  mode_first,        // a transparency mode that is set (8.0.0 and later; recorded from 9.34.0)
+  mode_first,        // a transparency mode that is set (by 7.54.3; recorded from 9.34.0)
   visibility_first,  // mesh.visibility below 1 blends, whatever the mode; a mode that blends, or alpha_test, only lets
                      // a material do so that has an alpha for it (recorded from 7.0.0)
 };

@@ -1,0 +1,117 @@
+// Names of strategies: a kind's, then after a colon the method or number that it takes.
+#include <algorithm>
+#include <charconv>
+#include <system_error>
+
+#include "facetsort/blend/strategy.h"
+
+namespace facetsort {
+namespace {
+
+enum class Detail { none, method, number, number_if_any };
+
+struct NamedKind {
+  StrategyKind kind;
+  std::string_view name;
+  Detail detail = Detail::none;
+  std::size_t least = 1, most = 0, step = 1;  // of the number
+};
+
+// In the order in which reports show them.
+constexpr NamedKind kinds[] = {
+    {StrategyKind::unsorted, "unsorted"},
+    {StrategyKind::double_sided, "double_sided"},
+    {StrategyKind::separate_culling_pass, "separate_culling_pass"},
+    {StrategyKind::depth_prepass, "depth_prepass"},
+    {StrategyKind::depth_write, "depth_write"},
+    {StrategyKind::additive, "additive"},
+    {StrategyKind::premultiplied_over, "premultiplied_over"},
+    {StrategyKind::facet_sort, "facet_sort", Detail::method},
+    {StrategyKind::presorted_buffers, "presorted_buffers", Detail::number, 1, Strategy::most_buffers},
+    {StrategyKind::depth_peeling, "depth_peeling", Detail::number_if_any, 1, Strategy::most_passes},
+    {StrategyKind::dual_depth_peeling, "dual_depth_peeling", Detail::number_if_any, 1, Strategy::most_passes},
+    {StrategyKind::weighted_blended, "weighted_blended"},
+    {StrategyKind::moment_based, "moment_based", Detail::number, 4, 6, 2},
+    {StrategyKind::multi_layer, "multi_layer", Detail::number, 1, most_kept_layers},
+    {StrategyKind::stochastic, "stochastic", Detail::number, 1, most_depth_samples},
+    {StrategyKind::reference, "reference"},
+};
+
+constexpr std::string_view separator = ":";
+
+std::optional<std::size_t> number_from_text(const NamedKind& kind, std::string_view text) {
+  std::size_t number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  const bool is_number = error == std::errc() && end == text.data() + text.size();
+  const bool is_one_of_them = number >= kind.least && number <= kind.most && (number - kind.least) % kind.step == 0;
+  return is_number && is_one_of_them ? std::optional(number) : std::nullopt;
+}
+
+}  // namespace
+
+bool Strategy::draws_in_order() const {
+  return kind == StrategyKind::unsorted || kind == StrategyKind::premultiplied_over ||
+         kind == StrategyKind::separate_culling_pass || kind == StrategyKind::double_sided ||
+         kind == StrategyKind::facet_sort || kind == StrategyKind::presorted_buffers;
+}
+
+bool Strategy::discards_fragments() const {
+  const bool peels = kind == StrategyKind::depth_peeling || kind == StrategyKind::dual_depth_peeling;
+  return kind == StrategyKind::depth_prepass || kind == StrategyKind::depth_write || (peels && number > 0);
+}
+
+std::string Strategy::name() const {
+  for (const NamedKind& named : kinds) {
+    if (named.kind != kind) continue;
+    std::string text(named.name);
+    const bool has_number = named.detail == Detail::number || (named.detail == Detail::number_if_any && number > 0);
+    if (named.detail == Detail::method) text.append(separator).append(method_name(method));
+    if (has_number) text.append(separator).append(std::to_string(number));
+    return text;
+  }
+  return {};
+}
+
+std::vector<Strategy> all_strategies() {
+  std::vector<Strategy> strategies;
+  for (const NamedKind& named : kinds) {
+    if (named.detail == Detail::method) {
+      for (const Method method : all_methods()) strategies.push_back({named.kind, method});
+    } else if (named.detail != Detail::number) {
+      strategies.push_back({.kind = named.kind});
+    }
+  }
+  return strategies;
+}
+
+std::vector<std::string> numbered_strategy_names() {
+  std::vector<std::string> names;
+  for (const NamedKind& named : kinds) {
+    if (named.detail != Detail::number && named.detail != Detail::number_if_any) continue;
+    const std::string_view between = named.least + named.step == named.most ? "|" : "..";
+    names.push_back(std::string(named.name).append(separator).append(std::to_string(named.least)));
+    names.back().append(between).append(std::to_string(named.most));
+  }
+  return names;
+}
+
+std::optional<Strategy> strategy_from_name(std::string_view name) {
+  const std::size_t end = std::min(name.find(separator), name.size());
+  const auto named = std::find_if(std::begin(kinds), std::end(kinds),
+                                  [&](const auto& kind) { return kind.name == name.substr(0, end); });
+  if (named == std::end(kinds)) return std::nullopt;
+  if (end == name.size()) {
+    if (named->detail == Detail::number) return std::nullopt;
+    return Strategy{.kind = named->kind};
+  }
+  const std::string_view detail = name.substr(end + separator.size());
+  if (named->detail == Detail::none) return std::nullopt;
+  if (named->detail == Detail::method) {
+    const std::optional<Method> method = method_from_name(detail);
+    return method ? std::optional(Strategy{.kind = named->kind, .method = *method}) : std::nullopt;
+  }
+  const std::optional<std::size_t> number = number_from_text(*named, detail);
+  return number ? std::optional(Strategy{.kind = named->kind, .number = *number}) : std::nullopt;
+}
+
+}  // namespace facetsort
