@@ -16,10 +16,10 @@ struct Mesh {
   std::vector<glm::vec4> vertex_colours;  // empty, or one a vertex; linear RGB, straight alpha
 
   // See MeshView.
-  std::vector<std::uint32_t> facet_materials;
-  std::vector<Material> materials;
-  std::vector<Texture> textures;
-  std::vector<glm::vec2> texture_coordinates;
+  std::vector<std::uint32_t> facet_materials{};
+  std::vector<Material> materials{};
+  std::vector<Texture> textures{};
+  std::vector<glm::vec2> texture_coordinates{};
 
   // Valid until this mesh's arrays change or move.
   MeshView view() const {
