@@ -1,6 +1,6 @@
 # The components in pipeline order, what each links of the others, and the packages that whoever links it must find.
 # Read by the build and, installed, by find_package(facetsort COMPONENTS ...).
-set(facetsort_components base mesh facets order mesh_io exact blend check presort report)
+set(facetsort_components base mesh facets order mesh_io exact scene scene_io blend check presort report)
 set(facetsort_base_packages TBB)
 set(facetsort_mesh_needs base)
 set(facetsort_mesh_packages glm)
@@ -11,6 +11,9 @@ set(facetsort_mesh_io_needs mesh)
 set(facetsort_mesh_io_packages OpenMesh)
 set(facetsort_exact_needs order)
 set(facetsort_exact_packages hwy)
+set(facetsort_scene_needs exact)
+set(facetsort_scene_io_needs scene mesh_io)
+set(facetsort_scene_io_packages TinyGLTF)
 set(facetsort_blend_needs exact)
 set(facetsort_blend_packages hwy)
 set(facetsort_check_needs blend)

@@ -1,4 +1,4 @@
-// The public headers, in pipeline order: mesh, facets, order, exact decisions, blend, check, presort, report.
+// The public headers, in pipeline order: mesh, facets, order, exact decisions, scene, blend, check, presort, report.
 #pragma once
 
 // clang-format off: sorting would lose the pipeline order.
@@ -31,6 +31,14 @@
 #include "facetsort/exact/plane_points.h"
 #include "facetsort/exact/exact_sorter.h"
 #include "facetsort/exact/presort.h"
+
+#include "facetsort/scene/scene.h"
+#include "facetsort/scene/read_scene.h"
+#include "facetsort/scene/merge.h"
+#include "facetsort/scene/draw_runs.h"
+#include "facetsort/scene/scene_sorter.h"
+#include "facetsort/scene/draw_costs.h"
+#include "facetsort/scene/write_scene.h"
 
 #include "facetsort/blend/view.h"
 #include "facetsort/blend/shading.h"
