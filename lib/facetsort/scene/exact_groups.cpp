@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <chrono>
-#include <limits>
 #include <optional>
+#include <utility>
 
 #include "facetsort/base/memory.h"
 #include "facetsort/base/parallel.h"
@@ -17,9 +17,10 @@ double milliseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-Box box_of(const MergedMesh& merged, const MergedObject& object) {
-  return facet_bounds(std::span(merged.mesh.triangles).subspan(object.first_facet, object.facet_count),
-                      std::span<const glm::vec3>(merged.mesh.positions));
+Slabs slabs_of_object(const MergedMesh& merged, std::size_t k) {
+  const MergedObject& object = merged.objects[k];
+  return slabs_of(std::span(merged.mesh.triangles).subspan(object.first_facet, object.facet_count),
+                  merged.mesh.positions);
 }
 
 }  // namespace
@@ -87,14 +88,14 @@ void ExactGroups::Group::append_to(MergedOrder& to, std::size_t merged_vertices)
 }
 
 ExactGroups::ExactGroups(const MergedMesh& merged, const ExactOptions& options) : options_(options) {
-  for (const MergedObject& object : merged.objects) boxes_.push_back(box_of(merged, object));
+  for (std::size_t k = 0; k < merged.objects.size(); ++k) slabs_.push_back(slabs_of_object(merged, k));
 }
 
 ExactGroups::~ExactGroups() = default;
 
 void ExactGroups::update(const MergedMesh& merged, std::uint32_t k) {
-  boxes_[k] = box_of(merged, merged.objects[k]);
-  boxes_changed_ = true;
+  slabs_[k] = slabs_of_object(merged, k);
+  slabs_changed_ = true;
   std::erase_if(prepared_, [&](const auto& entry) {
     return std::binary_search(entry.first.begin(), entry.first.end(), k);
   });
@@ -118,8 +119,7 @@ ExactGroups::Found ExactGroups::sort(const MergedMesh& merged, const SortView& v
   Found found;
   auto start = Clock::now();
   ++sorts_;
-  if (boxes_changed_) object_groups_.set_boxes(boxes_);
-  boxes_changed_ = false;
+  if (std::exchange(slabs_changed_, false)) object_groups_.set_slabs(slabs_);
   std::vector<Group*> groups, unprepared;
   for (const std::vector<std::uint32_t>& objects : object_groups_.find(view.eye)) {
     std::unique_ptr<Group>& group = prepared_[objects];
@@ -150,7 +150,7 @@ ExactGroups::Found ExactGroups::sort(const MergedMesh& merged, const SortView& v
 }
 
 std::size_t ExactGroups::memory_bytes() const {
-  std::size_t bytes = bytes_of(boxes_);
+  std::size_t bytes = bytes_of(slabs_);
   for (const auto& [objects, group] : prepared_) {
     bytes += bytes_of(group->mesh.positions, group->mesh.triangles, group->facets, group->vertices) +
              group->sorter->memory_bytes();

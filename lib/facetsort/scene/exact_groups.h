@@ -44,8 +44,8 @@ class ExactGroups {
   void drop_unused(std::size_t facets);
 
   ExactOptions options_;
-  std::vector<Box> boxes_;
-  bool boxes_changed_ = true;
+  std::vector<Slabs> slabs_;
+  bool slabs_changed_ = true;
   ObjectGroups object_groups_;
   std::map<std::vector<std::uint32_t>, std::unique_ptr<Group>> prepared_;  // by their objects
   std::uint64_t sorts_ = 0;

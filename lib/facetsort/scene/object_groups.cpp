@@ -1,28 +1,58 @@
 #include "facetsort/scene/object_groups.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numeric>
+#include <utility>
 
+#include "facetsort/facets/facets.h"
 #include "facetsort/scene/footprints.h"
 
 namespace facetsort::scene_internal {
 namespace {
 
-Sequence opposite(Sequence sequence) {
-  return sequence == Sequence::first_before    ? Sequence::second_before
-         : sequence == Sequence::second_before ? Sequence::first_before
-                                               : sequence;
+struct Direction {
+  double x, y, z;
+
+  // A point's coordinate along it, and how far rounding may have moved that: not at all along an axis.
+  double along(const glm::dvec3& p) const { return x * p.x + y * p.y + z * p.z; }
+  double error(const glm::dvec3& p) const {
+    const bool is_axis = std::abs(x) + std::abs(y) + std::abs(z) == 1;
+    return is_axis ? 0 : 0x1p-51 * (std::abs(p.x) + std::abs(p.y) + std::abs(p.z));
+  }
+};
+constexpr std::array<Direction, Slabs::directions> directions{{{1, 0, 0},
+                                                               {0, 1, 0},
+                                                               {0, 0, 1},
+                                                               {1, 1, 0},
+                                                               {1, -1, 0},
+                                                               {1, 0, 1},
+                                                               {1, 0, -1},
+                                                               {0, 1, 1},
+                                                               {0, 1, -1},
+                                                               {1, 1, 1},
+                                                               {1, 1, -1},
+                                                               {1, -1, 1},
+                                                               {1, -1, -1}}};
+
+bool are_parted(const Slabs& first, const Slabs& second) {
+  for (std::size_t d = 0; d < Slabs::directions; ++d) {
+    if (first.highest[d] <= second.lowest[d] || second.highest[d] <= first.lowest[d]) return true;
+  }
+  return false;
 }
 
-// By planes across an axis, where the first has all of its points at `first_highest` or below, and the second at
-// `second_lowest` or above. An eye between the two sees each on another side.
-Sequence across_axis(float first_highest, float second_lowest, float eye, bool orthographic) {
-  if (orthographic) {
-    return eye > 0 ? Sequence::first_before : eye < 0 ? Sequence::second_before : Sequence::any;
-  }
-  return eye > second_lowest    ? Sequence::first_before
-         : eye < first_highest ? Sequence::second_before
-                               : Sequence::any;
+// By the planes between two slabs, of which the lower ends at `end` and the higher begins at `begin`: which may be drawn
+// last, because some plane has it on the eye's side. Neither where rounding hides the side.
+struct MayBeLast {
+  bool higher, lower;
+};
+MayBeLast which_may_be_last(const Direction& direction, double end, double begin, const glm::vec4& eye) {
+  const glm::dvec3 e(eye);
+  const double at = direction.along(e), error = direction.error(e);
+  if (eye.w == 0.0f) return {at - error >= 0, at + error <= 0};
+  return {at - error >= end, at + error <= begin};
 }
 
 std::uint32_t root_of(std::vector<std::uint32_t>& parents, std::uint32_t member) {
@@ -96,19 +126,20 @@ class Components {
   std::uint32_t numbers_ = 0;
 };
 
-// Whether boxes have no common part on the screen of an eye that has one chart for all.
+// Whether objects have no common part on the screen of an eye that has one chart for all.
 class ScreenBoxes {
  public:
-  ScreenBoxes(const glm::vec4& eye, std::span<const Box> boxes) {
-    if (boxes.empty()) return;
-    Box all = boxes.front();
-    for (const Box& box : boxes) {
+  ScreenBoxes(const glm::vec4& eye, std::span<const Slabs> slabs) {
+    if (slabs.empty()) return;
+    Box all = box_of(slabs.front());
+    for (const Slabs& of : slabs) {
+      const Box box = box_of(of);
       all.lowest = glm::min(all.lowest, box.lowest);
       all.highest = glm::max(all.highest, box.highest);
     }
     const Charts charts(eye, all);
     if (charts.count() > 1) return;
-    for (const Box& box : boxes) footprints_.push_back(footprint_of(charts, box));
+    for (const Slabs& of : slabs) footprints_.push_back(footprint_of(charts, box_of(of)));
   }
 
   bool are_apart(std::uint32_t first, std::uint32_t second) const {
@@ -118,6 +149,16 @@ class ScreenBoxes {
   }
 
  private:
+  // Along the axes slabs are floats.
+  static Box box_of(const Slabs& slabs) {
+    Box box;
+    for (int axis = 0; axis < 3; ++axis) {
+      box.lowest[axis] = static_cast<float>(slabs.lowest[static_cast<std::size_t>(axis)]);
+      box.highest[axis] = static_cast<float>(slabs.highest[static_cast<std::size_t>(axis)]);
+    }
+    return box;
+  }
+
   static Footprint footprint_of(const Charts& charts, const Box& box) {
     Footprint whole, part;
     for (int corner = 0; corner < 8; ++corner) {
@@ -138,72 +179,89 @@ class ScreenBoxes {
 
 }  // namespace
 
-Sequence sequence_of(const Box& first, const Box& second, const glm::vec4& eye) {
-  Sequence sequence = Sequence::interleaved;
-  for (int axis = 0; axis < 3; ++axis) {
-    Sequence by_axis = Sequence::interleaved;
-    if (first.highest[axis] <= second.lowest[axis]) {
-      by_axis = across_axis(first.highest[axis], second.lowest[axis], eye[axis], eye.w == 0.0f);
-    } else if (second.highest[axis] <= first.lowest[axis]) {
-      by_axis = opposite(across_axis(second.highest[axis], first.lowest[axis], eye[axis], eye.w == 0.0f));
+Slabs slabs_of(std::span<const glm::uvec3> triangles, std::span<const glm::vec3> positions) {
+  Slabs slabs;
+  slabs.lowest.fill(std::numeric_limits<double>::infinity());
+  slabs.highest.fill(-std::numeric_limits<double>::infinity());
+  for (const glm::uvec3& triangle : triangles) {
+    for (int i = 0; i < 3; ++i) {
+      const glm::dvec3 p(positions[triangle[i]]);
+      for (std::size_t d = 0; d < Slabs::directions; ++d) {
+        const double at = directions[d].along(p), error = directions[d].error(p);
+        slabs.lowest[d] = std::min(slabs.lowest[d], at - error);
+        slabs.highest[d] = std::max(slabs.highest[d], at + error);
+      }
     }
-    if (by_axis == Sequence::any) return Sequence::any;
-    if (by_axis == Sequence::interleaved) continue;
-    // Two planes that contradict each other are both right: no ray meets the two.
-    if (sequence != Sequence::interleaved && sequence != by_axis) return Sequence::any;
-    sequence = by_axis;
   }
-  return sequence;
+  return slabs;
 }
 
-void ObjectGroups::set_boxes(std::span<const Box> boxes) {
-  boxes_.assign(boxes.begin(), boxes.end());
-  const auto count = static_cast<std::uint32_t>(boxes.size());
+Sequence sequence_of(const Slabs& first, const Slabs& second, const glm::vec4& eye) {
+  bool first_may_be_last = false, second_may_be_last = false;
+  for (std::size_t d = 0; d < Slabs::directions; ++d) {
+    if (first.highest[d] <= second.lowest[d]) {
+      const MayBeLast may = which_may_be_last(directions[d], first.highest[d], second.lowest[d], eye);
+      second_may_be_last |= may.higher;
+      first_may_be_last |= may.lower;
+    }
+    if (second.highest[d] <= first.lowest[d]) {
+      const MayBeLast may = which_may_be_last(directions[d], second.highest[d], first.lowest[d], eye);
+      first_may_be_last |= may.higher;
+      second_may_be_last |= may.lower;
+    }
+  }
+  // Where both may be, no ray meets the two: planes that seem to contradict each other are all right.
+  if (first_may_be_last && second_may_be_last) return Sequence::any;
+  return first_may_be_last    ? Sequence::second_before
+         : second_may_be_last ? Sequence::first_before
+                              : Sequence::interleaved;
+}
+
+void ObjectGroups::set_slabs(std::span<const Slabs> slabs) {
+  slabs_.assign(slabs.begin(), slabs.end());
+  const auto count = static_cast<std::uint32_t>(slabs.size());
   std::vector<std::uint32_t> parents(count), by_lowest(count);
   std::iota(parents.begin(), parents.end(), 0u);
   std::iota(by_lowest.begin(), by_lowest.end(), 0u);
   // From left to right, so that only neighbours along x are looked at.
   std::sort(by_lowest.begin(), by_lowest.end(), [&](std::uint32_t a, std::uint32_t b) {
-    return boxes_[a].lowest.x != boxes_[b].lowest.x ? boxes_[a].lowest.x < boxes_[b].lowest.x : a < b;
+    return slabs_[a].lowest[0] != slabs_[b].lowest[0] ? slabs_[a].lowest[0] < slabs_[b].lowest[0] : a < b;
   });
-  const auto overlap = [&](const Box& a, const Box& b) {
-    return glm::all(glm::lessThan(a.lowest, b.highest)) && glm::all(glm::lessThan(b.lowest, a.highest));
-  };
   for (std::uint32_t i = 0; i < count; ++i) {
-    const Box& box = boxes_[by_lowest[i]];
-    for (std::uint32_t j = i + 1; j < count && boxes_[by_lowest[j]].lowest.x < box.highest.x; ++j) {
-      if (!overlap(box, boxes_[by_lowest[j]])) continue;
+    const Slabs& left = slabs_[by_lowest[i]];
+    for (std::uint32_t j = i + 1; j < count && slabs_[by_lowest[j]].lowest[0] < left.highest[0]; ++j) {
+      if (are_parted(left, slabs_[by_lowest[j]])) continue;
       const std::uint32_t a = root_of(parents, by_lowest[i]), b = root_of(parents, by_lowest[j]);
       parents[std::max(a, b)] = std::min(a, b);
     }
   }
-  clusters_.clear();
-  std::vector<std::uint32_t> cluster_of(count);
+  groups_.clear();
+  std::vector<std::uint32_t> group_of(count);
   for (std::uint32_t object = 0; object < count; ++object) {
     const std::uint32_t root = root_of(parents, object);
     if (root == object) {
-      cluster_of[object] = static_cast<std::uint32_t>(clusters_.size());
-      clusters_.emplace_back();
+      group_of[object] = static_cast<std::uint32_t>(groups_.size());
+      groups_.emplace_back();
     }
-    clusters_[cluster_of[root]].push_back(object);
+    groups_[group_of[root]].push_back(object);
   }
 }
 
 void ObjectGroups::find_edges(const glm::vec4& eye) {
-  const ScreenBoxes screen(eye, boxes_);
+  const ScreenBoxes screen(eye, slabs_);
   const auto add_edge = [&](std::size_t from, std::size_t to) {
     if (later_[from].empty() || later_[from].back() != to) later_[from].push_back(static_cast<std::uint32_t>(to));
   };
-  later_.resize(clusters_.size());
+  later_.resize(groups_.size());
   for (std::vector<std::uint32_t>& list : later_) list.clear();
-  for (std::size_t a = 0; a < clusters_.size(); ++a) {
-    for (std::size_t b = a + 1; b < clusters_.size(); ++b) {
-      for (const std::uint32_t first : clusters_[a]) {
-        for (const std::uint32_t second : clusters_[b]) {
+  for (std::size_t a = 0; a < groups_.size(); ++a) {
+    for (std::size_t b = a + 1; b < groups_.size(); ++b) {
+      for (const std::uint32_t first : groups_[a]) {
+        for (const std::uint32_t second : groups_[b]) {
           if (screen.are_apart(first, second)) continue;
-          const Sequence sequence = sequence_of(boxes_[first], boxes_[second], eye);
-          if (sequence == Sequence::first_before) add_edge(a, b);
-          if (sequence == Sequence::second_before) add_edge(b, a);
+          const Sequence sequence = sequence_of(slabs_[first], slabs_[second], eye);
+          if (sequence == Sequence::first_before || sequence == Sequence::interleaved) add_edge(a, b);
+          if (sequence == Sequence::second_before || sequence == Sequence::interleaved) add_edge(b, a);
         }
       }
     }
@@ -213,14 +271,13 @@ void ObjectGroups::find_edges(const glm::vec4& eye) {
 std::span<const std::vector<std::uint32_t>> ObjectGroups::find(const glm::vec4& eye) {
   find_edges(eye);
   const Components components(later_);
-  groups_.clear();
+  std::vector<std::vector<std::uint32_t>> found;
   for (auto component = components.found.rbegin(); component != components.found.rend(); ++component) {
-    std::vector<std::uint32_t>& group = groups_.emplace_back();
-    for (const std::uint32_t cluster : *component) {
-      group.insert(group.end(), clusters_[cluster].begin(), clusters_[cluster].end());
-    }
+    std::vector<std::uint32_t>& group = found.emplace_back();
+    for (const std::uint32_t part : *component) group.insert(group.end(), groups_[part].begin(), groups_[part].end());
     std::sort(group.begin(), group.end());
   }
+  groups_ = std::move(found);
   return groups_;
 }
 

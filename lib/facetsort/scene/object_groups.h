@@ -1,16 +1,17 @@
 // Internal to scene: which objects have to be sorted together, and which can be drawn one after the other.
 //
 // Where a plane parts two objects, the eye's side of it is in front: no ray comes from there to the other side and back
-// (Fuchs, Kedem and Naylor, "On Visible Surface Generation by a Priori Tree Structures", 1980). Boxes that don't overlap
-// are parted by a plane across an axis.
+// (Fuchs, Kedem and Naylor, "On Visible Surface Generation by a Priori Tree Structures", 1980). Planes across thirteen
+// directions are tried, those of the faces, edges and corners of a cube (Klosowski et al., "Efficient Collision
+// Detection Using Bounding Volume Hierarchies of k-DOPs", 1998).
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <span>
 #include <vector>
-
-#include "facetsort/facets/facets.h"
 
 namespace facetsort::scene_internal {
 
@@ -21,25 +22,34 @@ enum class Sequence {
   interleaved,   // their facets may hide each other either way
 };
 
-// Of what the boxes hold, for an eye as SortView has it.
-Sequence sequence_of(const Box& first, const Box& second, const glm::vec4& eye);
+// Between which planes the corners of some facets lie, across each direction, rounded outwards.
+struct Slabs {
+  static constexpr std::size_t directions = 13;  // the first three are the axes
+
+  std::array<double, directions> lowest, highest;
+};
+// Precondition: there is a facet.
+Slabs slabs_of(std::span<const glm::uvec3> triangles, std::span<const glm::vec3> positions);
+
+// Of what lies in the slabs, for an eye as SortView has it.
+Sequence sequence_of(const Slabs& first, const Slabs& second, const glm::vec4& eye);
 
 class ObjectGroups {
  public:
-  // Call when boxes changed: finds which objects are linked by boxes that overlap.
-  void set_boxes(std::span<const Box> boxes);
+  // Call when some changed: finds which objects no plane parts.
+  void set_slabs(std::span<const Slabs> slabs);
 
-  // Groups of objects, in the order to draw them; the numbers in each ascend. Objects that are linked, or before each
-  // other in a cycle, share a group. Valid until the next call.
+  // Groups of objects, in the order to draw them; the numbers in each ascend. Objects that no plane parts share a group,
+  // and so do objects that are before each other in a cycle, from the first view on in which they are: the groups soon
+  // are the same from view to view. Valid until the next call.
   std::span<const std::vector<std::uint32_t>> find(const glm::vec4& eye);
 
  private:
   void find_edges(const glm::vec4& eye);
 
-  std::vector<Box> boxes_;
-  std::vector<std::vector<std::uint32_t>> clusters_;  // of objects linked by overlapping boxes
-  std::vector<std::vector<std::uint32_t>> later_;     // of each cluster, those that must be drawn after it
+  std::vector<Slabs> slabs_;
   std::vector<std::vector<std::uint32_t>> groups_;
+  std::vector<std::vector<std::uint32_t>> later_;  // of each group, those that must be drawn after it
 };
 
 }  // namespace facetsort::scene_internal

@@ -54,10 +54,11 @@ struct SceneStatistics {
 
 // Sorts objects of a scene together for many views. By depth keys nothing is allocated once warm.
 //
-// Exact: objects whose boxes overlap are sorted together, each such group by an ExactSorter of its own; groups are drawn
-// one after the other as planes between boxes ask for, those that planes put into a cycle as one group. An order of that
-// kind has no fragment after one that it should hide behind, as ExactSorter's; groups are sorted at the same time where
-// there are threads, and an update prepares only the groups that have the object.
+// Exact: objects that none of thirteen directions' planes parts are sorted together, each such group by an ExactSorter of
+// its own; groups are drawn one after the other as planes between objects ask for, and from the first view on in which
+// planes put some into a cycle, those are one group. The order has no fragment after one that it should hide behind, as
+// ExactSorter's. Groups are sorted at the same time where there are threads, and an update prepares only the groups that
+// have the object, or that it brings together.
 //
 // One thread at a time; works in parallel in the caller's task arena. Keeps no reference to the scene.
 class SceneSorter {
