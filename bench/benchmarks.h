@@ -29,5 +29,8 @@ void register_llvmpipe_benchmarks();
 void register_fragment_benchmarks();
 // index_buffers/MESH, index_buffers_culled/MESH: ten index buffers, and what they err.
 void register_index_buffers_benchmarks();
+// scene_50_knots/side_SIDE/METHOD: 50 knots of 10,000 facets, scattered over a cube, sorted together; _as_found: without
+// bringing the triangles of an object together.
+void register_scene_benchmarks();
 
 }  // namespace facetsort::bench

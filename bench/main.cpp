@@ -49,6 +49,7 @@ int main(int argc, char** argv) {
 #endif
   facetsort::bench::register_fragment_benchmarks();
   facetsort::bench::register_index_buffers_benchmarks();
+  facetsort::bench::register_scene_benchmarks();
   std::unique_ptr<benchmark::BenchmarkReporter> shown(benchmark::CreateDefaultDisplayReporter());
   ErrorWatch watch(std::move(shown));
   const std::size_t ran = benchmark::RunSpecifiedBenchmarks(&watch);

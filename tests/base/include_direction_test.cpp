@@ -36,7 +36,7 @@ constexpr std::array package_homes{
     PackageHome{"hwy/", "exact", false},         PackageHome{"hwy/", "blend", true},
     PackageHome{"hwy/", "order", false},         PackageHome{"embree3/", "check", true},
     PackageHome{"OpenImageIO/", "report", true}, PackageHome{"nlohmann/", "report", true},
-    PackageHome{"tiny_gltf.h", "presort", true},
+    PackageHome{"tiny_gltf.h", "presort", true}, PackageHome{"tiny_gltf.h", "scene", false},
 };
 // Small enough for every folder, and part of what `order` asks for.
 constexpr std::array packages_for_all{"glm/", "tbb/"};
