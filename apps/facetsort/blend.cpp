@@ -28,7 +28,7 @@ struct BlendOptions {
 
 ExitStatus run_blend(const BlendOptions& options, const CommonOptions& common) {
   require_output_file(options.output, {".exr", ".png"});
-  const InputMesh input = read_input_mesh(options.mesh);
+  const InputMesh input = read_input_scene(options.mesh);
   const View view = make_view(options.view, input.bounds);
 
   PreparedStrategy prepared;
@@ -71,7 +71,9 @@ ExitStatus run_blend(const BlendOptions& options, const CommonOptions& common) {
 Verb add_blend(CLI::App& program, const CommonOptions& common) {
   const auto options = std::make_shared<BlendOptions>();
   CLI::App* command = program.add_subcommand("blend", "A picture of a self-transparent mesh, by one strategy");
-  command->add_option("MESH", options->mesh, "PLY, OBJ, OFF, STL or presorted .fsort file")->required()->type_name("");
+  command->add_option("MESH", options->mesh, "PLY, OBJ, OFF, STL or presorted .fsort file; or a scene: a glTF file, or a folder")
+      ->required()
+      ->type_name("");
   command
       ->add_option_function<std::string>(
           "--strategy", [options](const std::string& text) { options->strategy = parse_strategy("--strategy", text); },

@@ -31,7 +31,7 @@ constexpr const char* pictures_folder = "pictures";
 
 struct CompareOptions {
   std::vector<std::string> meshes;
-  std::vector<Strategy> strategies = all_strategies();
+  std::vector<Strategy> strategies;  // none: all that need no number
   int views = 4, repeats = 5;
   PictureSize size;
   float radii = 2.5f;
@@ -51,11 +51,21 @@ std::vector<Strategy> parse_strategies(const std::string& text) {
   return strategies;
 }
 
+std::vector<Strategy> strategies_for(const InputMesh& mesh, const CompareOptions& options) {
+  if (!options.strategies.empty()) return options.strategies;
+  std::vector<Strategy> strategies = all_strategies();
+  if (!mesh.scene) return strategies;
+  for (const DrawOrderRule rule : all_draw_order_rules()) {
+    strategies.push_back({.kind = StrategyKind::draw_order, .rule = rule});
+  }
+  return strategies;
+}
+
 // All of them, before any work is done: one bad file among several is met at once.
 std::vector<InputMesh> read_meshes(const std::vector<std::string>& paths) {
   std::vector<InputMesh> meshes;
   for (const std::string& path : paths) {
-    InputMesh mesh = read_input_mesh(path);
+    InputMesh mesh = read_input_scene(path);
     for (const InputMesh& other : meshes) {
       if (other.name != mesh.name) continue;
       throw Failure(path + ": another mesh of the comparison is named '" + mesh.name + "' too: " + other.path.string());
@@ -131,7 +141,8 @@ void compare_on_mesh(const InputMesh& mesh, const CompareOptions& options, const
   Agreement agreement;
 
   const std::vector<View> views = mesh_views(mesh, options);
-  std::vector<PreparedStrategy> prepared(options.strategies.size());
+  const std::vector<Strategy> strategies = strategies_for(mesh, options);
+  std::vector<PreparedStrategy> prepared(strategies.size());
   for (int index = 0; index < view_count(options); ++index) {
     const std::string where =
         mesh.name + ", view " + std::to_string(index + 1) + " of " + std::to_string(views.size()) + ", ";
@@ -147,8 +158,8 @@ void compare_on_mesh(const InputMesh& mesh, const CompareOptions& options, const
     agreement.judged += in_view.judged;
     agreement.agreeing += in_view.agreeing;
 
-    for (std::size_t i = 0; i < options.strategies.size(); ++i) {
-      const Strategy& strategy = options.strategies[i];
+    for (std::size_t i = 0; i < strategies.size(); ++i) {
+      const Strategy& strategy = strategies[i];
       progress.show(where + strategy.name());
       MeasuredStrategy measured =
           measure_strategy(mesh, strategy, refereed, static_cast<std::size_t>(options.repeats), prepared[i]);
@@ -189,7 +200,7 @@ ExitStatus run_compare(const CompareOptions& options, const CommonOptions& commo
   {
     double work = 0;
     for (const InputMesh& mesh : meshes) {
-      work += row_work(mesh, options) * static_cast<double>(options.strategies.size()) * view_count(options);
+      work += row_work(mesh, options) * static_cast<double>(strategies_for(mesh, options).size()) * view_count(options);
     }
     Progress progress(work);
     for (const InputMesh& mesh : meshes) compare_on_mesh(mesh, options, folder.path(), progress, comparison);
@@ -215,7 +226,7 @@ Verb add_compare(CLI::App& program, const CommonOptions& common) {
   const auto options = std::make_shared<CompareOptions>();
   CLI::App* command = program.add_subcommand(
       "compare", "Every strategy on every mesh, its error beside its run time: results.json, results.csv, index.html");
-  command->add_option("MESH", options->meshes, "PLY, OBJ, OFF, STL or presorted .fsort files")
+  command->add_option("MESH", options->meshes, "PLY, OBJ, OFF, STL or presorted .fsort files; or scenes: glTF files, or folders")
       ->required()
       ->type_name("");
   command

@@ -1,9 +1,13 @@
 #include "input_mesh.h"
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <utility>
 #include <vector>
 
 #include "facetsort/mesh/read.h"
+#include "facetsort/scene/read_scene.h"
 #include "failure.h"
 #include "output.h"
 
@@ -13,6 +17,28 @@ namespace {
 Mesh copy_of(const MeshView& view) {
   const auto copy = [](const auto& values) { return std::vector(values.begin(), values.end()); };
   return {copy(view.positions), copy(view.triangles), copy(view.facet_colours), copy(view.vertex_colours)};
+}
+
+bool is_scene(const std::filesystem::path& path) {
+  const std::string extension = extension_of(path);
+  return extension == ".gltf" || extension == ".glb" || std::filesystem::is_directory(path);
+}
+
+// Objects whose facets are blended, then the others, both as the scene has them.
+std::vector<std::uint32_t> blended_first(const Scene& scene) {
+  std::vector<std::uint32_t> objects(scene.objects.size());
+  std::iota(objects.begin(), objects.end(), 0u);
+  std::stable_partition(objects.begin(), objects.end(), [&](std::uint32_t object) {
+    return scene.material_of(object).material.alpha_mode == AlphaMode::blend;
+  });
+  return objects;
+}
+
+void measure_bounds(InputMesh& input) {
+  input.bounds = facet_bounds(input.mesh.view());
+  const float radius = input.bounds.radius();
+  if (!std::isfinite(radius)) throw Failure(input.path.string() + ": the mesh's size is beyond the range of float32");
+  if (radius > 0) input.radius = static_cast<double>(radius);
 }
 
 }  // namespace
@@ -27,10 +53,20 @@ InputMesh read_input_mesh(const std::filesystem::path& path) {
   } else {
     input.mesh = require(read_mesh(path));
   }
-  input.bounds = facet_bounds(input.mesh.view());
-  const float radius = input.bounds.radius();
-  if (!std::isfinite(radius)) throw Failure(path.string() + ": the mesh's size is beyond the range of float32");
-  if (radius > 0) input.radius = static_cast<double>(radius);
+  measure_bounds(input);
+  return input;
+}
+
+InputMesh read_input_scene(const std::filesystem::path& path) {
+  if (!is_scene(path)) return read_input_mesh(path);
+  InputMesh input;
+  input.path = path;
+  input.name = (path.has_filename() ? path : path.parent_path()).stem().string();
+  input.scene = require(read_scene(path));
+  MergedMesh merged = require(merge(*input.scene, blended_first(*input.scene)));
+  input.mesh = std::move(merged.mesh);
+  input.objects = std::move(merged.objects);
+  measure_bounds(input);
   return input;
 }
 

@@ -67,7 +67,7 @@ void judge_draw_order(const InputMesh& input, const StrategyRenderer& renderer, 
                       Row& row) {
   row.embree_rays = refereed.hits.rays;
   row.embree_unjudged = refereed.hits.unjudged_rays;
-  if (!renderer.strategy().draws_in_order()) return;
+  if (!renderer.draws_in_order()) return;
   const JudgeOptions options{.bounding_radius = input.radius};
   const auto judge_by = [&](const FragmentLists& lists) {
     return judge_drawing(lists, renderer.ranks(refereed.view, lists), options);
@@ -82,7 +82,7 @@ void judge_draw_order(const InputMesh& input, const StrategyRenderer& renderer, 
 
 // Nothing for the strategies that discard fragments on purpose.
 std::optional<std::size_t> count_miscovered(StrategyRenderer& renderer, const RefereedView& refereed) {
-  if (renderer.strategy().discards_fragments()) return std::nullopt;
+  if (renderer.discards_fragments()) return std::nullopt;
   Image coverage;
   renderer.draw_coverage(refereed.view, coverage);
   std::size_t miscovered = 0;

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cassert>
+#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -159,8 +160,10 @@ DrawStatistics Rasteriser::draw(const MeshView& mesh, const View& view, std::spa
   statistics.passes = static_cast<int>(batches.size());
   for (const DrawBatch& batch : batches) {
     scratch_->bins.sort_into_tiles(scratch_->projected, batch.order, pieces);
-    for_each_tile(
-        [&](int tile, blend_internal::DrawnTile& drawn) { blend_internal::draw_pass(task, batch.pass, tile, drawn); });
+    for_each_tile([&](int tile, blend_internal::DrawnTile& drawn) {
+      if (batch.clear_depth) std::fill(std::begin(drawn.depths.pixel), std::end(drawn.depths.pixel), INFINITY);
+      blend_internal::draw_pass(task, batch.pass, tile, drawn);
+    });
     statistics.facets_drawn += scratch_->facets_drawn(batch.pass);
   }
   for_each_tile([&](int tile, blend_internal::DrawnTile& drawn) { blend_internal::finish_drawing(task, tile, drawn); });

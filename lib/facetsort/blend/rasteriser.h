@@ -28,12 +28,15 @@ struct DrawPass {
   bool depth_write = false;
   bool colour_write = true;
   BlendMode blend = BlendMode::source_over;
+
+  bool operator==(const DrawPass&) const = default;
 };
 
 // Facets and pieces drawn with one state, in their order.
 struct DrawBatch {
   std::span<const std::uint32_t> order;
   DrawPass pass;
+  bool clear_depth = false;  // just before
 };
 
 // Order-independent transparency by passes over the geometry, each of which keeps the next layers of every pixel, until

@@ -1,6 +1,7 @@
 #include "facetsort/blend/strategy.h"
 
 #include <algorithm>
+#include <cassert>
 #include <numeric>
 
 #include "facetsort/base/parallel.h"
@@ -36,6 +37,7 @@ std::vector<DrawPass> draw_passes(StrategyKind kind) {
               {.depth_test = DepthTest::less_or_equal, .depth_write = true}};
     case StrategyKind::depth_write:
       return {{.depth_test = DepthTest::less_or_equal, .depth_write = true}};
+    case StrategyKind::draw_order:
     case StrategyKind::depth_peeling:
     case StrategyKind::dual_depth_peeling:
     case StrategyKind::weighted_blended:
@@ -69,6 +71,42 @@ std::optional<OrderIndependent> order_independent(StrategyKind kind) {
   }
 }
 
+// Of facets that are not blended.
+constexpr DrawPass opaque_pass{.depth_test = DepthTest::less, .depth_write = true};
+
+// Facets before the first that is not blended.
+std::size_t count_blended(const MeshView& mesh) {
+  const auto is_blended = [&](std::uint32_t material) {
+    return mesh.materials[material].alpha_mode == AlphaMode::blend;
+  };
+  const std::span<const std::uint32_t> materials = mesh.facet_materials;
+  if (materials.empty()) return mesh.facet_count();
+  const auto end = std::find_if_not(materials.begin(), materials.end(), is_blended);
+  assert(std::none_of(end, materials.end(), is_blended));
+  return static_cast<std::size_t>(end - materials.begin());
+}
+
+SceneCamera scene_camera(const View& view) {
+  SceneCamera camera;
+  camera.eye = view.eye;
+  camera.at = view.at;
+  camera.up = view.up;
+  camera.perspective = view.projection == Projection::perspective;
+  camera.vertical_fov_degrees = static_cast<double>(view.vertical_fov_degrees);
+  camera.height_in_units = static_cast<double>(view.height_in_units);
+  camera.near_distance = static_cast<double>(view.near_distance);
+  return camera;
+}
+
+DrawPass pass_of(const ObjectDraw& draw) {
+  DrawPass pass;
+  pass.cull = draw.faces == Faces::back ? Cull::front_faces : draw.faces == Faces::front ? Cull::back_faces : Cull::none;
+  pass.depth_test = draw.depth_test ? DepthTest::less_or_equal : DepthTest::off;
+  pass.depth_write = draw.depth_write;
+  pass.colour_write = draw.colour_write;
+  return pass;
+}
+
 // Of what is kept a pixel.
 constexpr std::size_t value_bytes = sizeof(float), colour_bytes = 4 * value_bytes;
 
@@ -81,6 +119,15 @@ void resize_image(const View& view, PixelFormat format, Image& image) {
 
 }  // namespace
 
+MeshView blended_facets(const MeshView& mesh) {
+  const std::size_t count = count_blended(mesh);
+  MeshView blended = mesh;
+  blended.triangles = mesh.triangles.first(count);
+  if (!mesh.facet_colours.empty()) blended.facet_colours = mesh.facet_colours.first(count);
+  if (!mesh.facet_materials.empty()) blended.facet_materials = mesh.facet_materials.first(count);
+  return blended;
+}
+
 struct StrategyRenderer::State {
   MeshView mesh;
   Strategy strategy;
@@ -89,8 +136,13 @@ struct StrategyRenderer::State {
   std::optional<ExactSorter> exact_sorter;
   const IndexBuffers* buffers = nullptr;
   glm::vec3 centre{0};                     // from which their directions are
-  std::vector<std::uint32_t> index_order;  // of the strategies that do not sort
+  bool needs_index_order = false;          // as its order
+  std::vector<std::uint32_t> index_order;  // of the strategies that do not sort, and of what is not sorted
   std::span<const std::uint32_t> order;
+  std::size_t blended = 0;               // facets; those that are not come after them
+  SceneInput scene;                      // of draw_order
+  std::vector<std::uint32_t> drawn;      // the order in draw ids of the whole mesh, where only a part of it is ordered
+  std::vector<DrawBatch> batches;        // where what is drawn has several states
   std::vector<glm::vec4> colours;
   Rasteriser rasteriser;
   int passes_drawn = 1;
@@ -109,29 +161,84 @@ struct StrategyRenderer::State {
       return rasteriser.draw_order_independent(mesh, view, order, facet_colours, *method,
                                                static_cast<int>(strategy.number), clear_colour, format, image);
     }
+    if (has_batches()) {
+      assert(!batches.empty());  // order() makes them
+      return rasteriser.draw(mesh, view, batches, facet_colours, clear_colour, format, image, pieces());
+    }
     return rasteriser.draw(mesh, view, order, facet_colours, passes, clear_colour, format, image, pieces());
+  }
+
+  bool has_batches() const {
+    return strategy.kind == StrategyKind::draw_order || (!passes.empty() && blended < mesh.facet_count());
+  }
+
+  // Those that are not blended, with depth, and the passes over the others, tested against it.
+  void batch_passes() {
+    const std::size_t facets = mesh.facet_count();
+    drawn.assign(order.begin(), order.end());
+    for (std::uint32_t& id : drawn) {
+      if (id >= blended) id += static_cast<std::uint32_t>(facets - blended);  // a piece
+    }
+    batches = {{std::span(index_order).subspan(blended), opaque_pass}};
+    for (DrawPass pass : passes) {
+      if (pass.depth_test == DepthTest::off) pass.depth_test = DepthTest::less_or_equal;
+      batches.push_back({drawn, pass});
+    }
+  }
+
+  void batch_objects(const View& view) {
+    batches.clear();
+    for (const ObjectDraw& draw :
+         scene_draw_order(strategy.rule, *scene.scene, scene.objects, scene_camera(view))) {
+      const MergedObject& object = scene.objects[draw.item];
+      batches.push_back(
+          {std::span(index_order).subspan(object.first_facet, object.facet_count), pass_of(draw), draw.clear_depth});
+    }
+    join_batches();
+  }
+
+  // Objects that follow each other in the mesh and are drawn so, with one state.
+  void join_batches() {
+    std::size_t kept = 0;
+    for (const DrawBatch& batch : batches) {
+      DrawBatch* last = kept > 0 ? &batches[kept - 1] : nullptr;
+      if (last != nullptr && last->pass == batch.pass && !batch.clear_depth &&
+          last->order.data() + last->order.size() == batch.order.data()) {
+        last->order = {last->order.data(), last->order.size() + batch.order.size()};
+      } else {
+        batches[kept++] = batch;
+      }
+    }
+    batches.resize(kept);
   }
 };
 
-StrategyRenderer::StrategyRenderer(const MeshView& mesh, const Strategy& strategy, const PresortedInput& presorted)
+StrategyRenderer::StrategyRenderer(const MeshView& mesh, const Strategy& strategy, const PresortedInput& presorted,
+                                   const SceneInput& scene)
     : state_(std::make_unique<State>()) {
   state_->mesh = mesh;
   state_->strategy = strategy;
   state_->passes = draw_passes(strategy.kind);
+  state_->scene = scene;
+  state_->blended = count_blended(mesh);
+  const MeshView sorted = state_->has_batches() ? blended_facets(mesh) : mesh;
   if (strategy.kind == StrategyKind::facet_sort && strategy.method == Method::presorted && presorted.tree != nullptr) {
     state_->exact_sorter.emplace(*presorted.tree);
   } else if (strategy.kind == StrategyKind::facet_sort && is_exact(strategy.method)) {
-    state_->exact_sorter.emplace(mesh, ExactOptions{.from = order_from(strategy.method)});
+    state_->exact_sorter.emplace(sorted, ExactOptions{.from = order_from(strategy.method)});
   } else if (strategy.kind == StrategyKind::facet_sort) {
-    state_->sorter.emplace(mesh, SorterOptions{.method = strategy.method, .precision = Precision::whole});
+    state_->sorter.emplace(sorted, SorterOptions{.method = strategy.method, .precision = Precision::whole});
   } else if (strategy.kind == StrategyKind::presorted_buffers) {
     state_->buffers = presorted.buffers;
     state_->centre = facet_bounds(mesh).centre();
   } else if (strategy.kind != StrategyKind::reference) {
+    state_->needs_index_order = true;
+  }
+  if (state_->needs_index_order || state_->has_batches()) {
     state_->index_order.resize(mesh.facet_count());
     std::iota(state_->index_order.begin(), state_->index_order.end(), 0u);
-    state_->order = state_->index_order;
   }
+  if (state_->needs_index_order) state_->order = std::span(state_->index_order).first(sorted.facet_count());
 }
 
 StrategyRenderer::StrategyRenderer(StrategyRenderer&&) noexcept = default;
@@ -149,6 +256,11 @@ void StrategyRenderer::order(const View& view) {
     const glm::vec3 eye(sort_view.eye);
     const glm::vec3 to_viewer = sort_view.eye.w == 0 ? eye : eye - state_->centre;
     state_->order = state_->buffers->buffer(nearest_buffer(*state_->buffers, to_viewer));
+  }
+  if (state_->strategy.kind == StrategyKind::draw_order) {
+    state_->batch_objects(view);
+  } else if (state_->has_batches()) {
+    state_->batch_passes();
   }
 }
 
@@ -213,9 +325,17 @@ const Strategy& StrategyRenderer::strategy() const {
   return state_->strategy;
 }
 
+bool StrategyRenderer::draws_in_order() const {
+  return state_->strategy.draws_in_order() && !state_->has_batches();
+}
+
+bool StrategyRenderer::discards_fragments() const {
+  return state_->strategy.discards_fragments() || state_->has_batches();
+}
+
 int StrategyRenderer::passes() const {
   const State& state = *state_;
-  return state.passes.empty() ? state.passes_drawn : static_cast<int>(state.passes.size());
+  return state.passes.empty() || state.has_batches() ? state.passes_drawn : static_cast<int>(state.passes.size());
 }
 
 std::size_t StrategyRenderer::bytes_per_pixel() const {
@@ -223,6 +343,7 @@ std::size_t StrategyRenderer::bytes_per_pixel() const {
   switch (state.strategy.kind) {
     case StrategyKind::depth_prepass:
     case StrategyKind::depth_write:
+    case StrategyKind::draw_order:
       return value_bytes;
     case StrategyKind::depth_peeling:  // layers so far; this pass's layer, and its and the last one's depth
       return 2 * colour_bytes + 2 * value_bytes;
@@ -239,7 +360,7 @@ std::size_t StrategyRenderer::bytes_per_pixel() const {
     case StrategyKind::reference:
       return state.longest_list * sizeof(Fragment);
     default:
-      return 0;
+      return state.has_batches() ? value_bytes : 0;
   }
 }
 

@@ -19,6 +19,7 @@
 #include "facetsort/order/method.h"
 #include "facetsort/order/presorted_data.h"
 #include "facetsort/order/sorter.h"
+#include "facetsort/scene/scene_draw_order.h"
 
 namespace facetsort {
 
@@ -30,6 +31,7 @@ enum class StrategyKind {
   depth_prepass,          // depth first, then colour where the depth is the nearest (Babylon.js needDepthPrePass)
   depth_write,            // index order with depth test and depth writing on (Three.js's default)
   facet_sort,             // facets ordered by a method: a depth key, or exactly, cut where they must be
+  draw_order,             // whole objects of a scene, as an engine's rule orders and draws them (see DrawOrderRule)
   presorted_buffers,      // one of a few fixed orders of whole facets, by the direction of the eye (see IndexBuffers)
   depth_peeling,          // a layer a pass, from the front, until none is left (Everitt 2001; vtkDepthPeelingPass)
   dual_depth_peeling,     // two layers a pass, the nearest and the farthest left (Bavoil and Myers 2008;
@@ -48,6 +50,7 @@ enum class StrategyKind {
 struct Strategy {
   StrategyKind kind = StrategyKind::unsorted;
   Method method = Method::centroid_distance;  // of facet_sort
+  DrawOrderRule rule = DrawOrderRule::galacean;  // of draw_order
   // Of presorted_buffers: how many; depth peeling: most passes that peel, 0 for as many as it takes; moment_based:
   // moments; multi_layer: layers a pixel; stochastic: samples a pixel.
   std::size_t number = 0;
@@ -59,11 +62,11 @@ struct Strategy {
   bool draws_in_order() const;
   // Whether some fragments are left out on purpose, so that coverage can't be counted.
   bool discards_fragments() const;
-  // "unsorted", "facet_sort:centroid_distance", "presorted_buffers:10", "depth_peeling", "depth_peeling:5", ...
+  // "unsorted", "facet_sort:centroid_distance", "draw_order:three", "presorted_buffers:10", "depth_peeling", "depth_peeling:5", ...
   std::string name() const;
 };
 
-// Every strategy that needs no number, in the order in which reports show them; `reference` last.
+// Every strategy that needs no number and no scene, in the order in which reports show them; `reference` last.
 std::vector<Strategy> all_strategies();
 // What the names of the others look like: "multi_layer:1..64", "moment_based:4|6", ...
 std::vector<std::string> numbered_strategy_names();
@@ -76,12 +79,26 @@ struct PresortedInput {
   const IndexBuffers* buffers = nullptr;  // for presorted_buffers
 };
 
+// The facets before the first whose material is not blended: those that strategies of a fixed number of passes order.
+// Precondition: none after that is blended.
+MeshView blended_facets(const MeshView& mesh);
+
+// The scene that a mesh was merged of. It and the array must outlive who takes it.
+struct SceneInput {
+  const Scene* scene = nullptr;
+  std::span<const MergedObject> objects;  // of it, those whose materials are blended before all others
+};
+
 // One frame of a strategy, its stages apart so that each can be timed: construct once a mesh, then for each view
 // order() and draw(). Keeps its scratch. One thread at a time; parallel in the caller's task arena.
 class StrategyRenderer {
  public:
-  // The mesh's arrays must outlive it. Precondition: presorted_buffers gets buffers of this mesh, with directions.
-  StrategyRenderer(const MeshView& mesh, const Strategy& strategy, const PresortedInput& presorted = {});
+  // The mesh's arrays must outlive it. Where some of its facets are not blended (AlphaMode), strategies of a fixed number
+  // of passes first draw those, with depth, and then order and draw the others, tested against that depth; the rest take
+  // them for blended ones of alpha 1. Preconditions: blended facets come before all others; presorted_buffers gets
+  // buffers of this mesh, with directions; draw_order gets the scene that this mesh was merged of.
+  StrategyRenderer(const MeshView& mesh, const Strategy& strategy, const PresortedInput& presorted = {},
+                   const SceneInput& scene = {});
   StrategyRenderer(StrategyRenderer&&) noexcept;
   StrategyRenderer& operator=(StrategyRenderer&&) noexcept;
   ~StrategyRenderer();
@@ -94,10 +111,13 @@ class StrategyRenderer {
   // Draws the number of times each pixel is covered, by the same passes, into the red channel (rgba32f).
   void draw_coverage(const View& view, Image& image);
   // Position of each fragment in the sequence in which facets and pieces are drawn for the last order(), or not_drawn,
-  // parallel to lists.fragments (see fragment_ranks()). Only where strategy().draws_in_order().
+  // parallel to lists.fragments (see fragment_ranks()). Only where draws_in_order().
   std::vector<std::uint32_t> ranks(const View& view, const FragmentLists& lists) const;
 
   const Strategy& strategy() const;
+  // As the strategy says of itself, but that drawing with depth leaves out fragments.
+  bool draws_in_order() const;
+  bool discards_fragments() const;
   int passes() const;                  // over the geometry; of depth peeling, for the last draw()
   // What drawing keeps a pixel beside the picture, in float32 (facetsort's own tiles need it for a few at a time, a
   // graphics interface for all). Of reference: what the longest list of the last draw() takes.

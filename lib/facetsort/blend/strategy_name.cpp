@@ -8,7 +8,7 @@
 namespace facetsort {
 namespace {
 
-enum class Detail { none, method, number, number_if_any };
+enum class Detail { none, method, rule, number, number_if_any };
 
 struct NamedKind {
   StrategyKind kind;
@@ -27,6 +27,7 @@ constexpr NamedKind kinds[] = {
     {StrategyKind::additive, "additive"},
     {StrategyKind::premultiplied_over, "premultiplied_over"},
     {StrategyKind::facet_sort, "facet_sort", Detail::method},
+    {StrategyKind::draw_order, "draw_order", Detail::rule},
     {StrategyKind::presorted_buffers, "presorted_buffers", Detail::number, 1, Strategy::most_buffers},
     {StrategyKind::depth_peeling, "depth_peeling", Detail::number_if_any, 1, Strategy::most_passes},
     {StrategyKind::dual_depth_peeling, "dual_depth_peeling", Detail::number_if_any, 1, Strategy::most_passes},
@@ -66,6 +67,7 @@ std::string Strategy::name() const {
     std::string text(named.name);
     const bool has_number = named.detail == Detail::number || (named.detail == Detail::number_if_any && number > 0);
     if (named.detail == Detail::method) text.append(separator).append(method_name(method));
+    if (named.detail == Detail::rule) text.append(separator).append(draw_order_rule_name(rule));
     if (has_number) text.append(separator).append(std::to_string(number));
     return text;
   }
@@ -77,7 +79,7 @@ std::vector<Strategy> all_strategies() {
   for (const NamedKind& named : kinds) {
     if (named.detail == Detail::method) {
       for (const Method method : all_methods()) strategies.push_back({named.kind, method});
-    } else if (named.detail != Detail::number) {
+    } else if (named.detail != Detail::number && named.detail != Detail::rule) {
       strategies.push_back({.kind = named.kind});
     }
   }
@@ -101,7 +103,7 @@ std::optional<Strategy> strategy_from_name(std::string_view name) {
                                   [&](const auto& kind) { return kind.name == name.substr(0, end); });
   if (named == std::end(kinds)) return std::nullopt;
   if (end == name.size()) {
-    if (named->detail == Detail::number) return std::nullopt;
+    if (named->detail == Detail::number || named->detail == Detail::rule) return std::nullopt;
     return Strategy{.kind = named->kind};
   }
   const std::string_view detail = name.substr(end + separator.size());
@@ -109,6 +111,10 @@ std::optional<Strategy> strategy_from_name(std::string_view name) {
   if (named->detail == Detail::method) {
     const std::optional<Method> method = method_from_name(detail);
     return method ? std::optional(Strategy{.kind = named->kind, .method = *method}) : std::nullopt;
+  }
+  if (named->detail == Detail::rule) {
+    const std::optional<DrawOrderRule> rule = draw_order_rule_from_name(detail);
+    return rule ? std::optional(Strategy{.kind = named->kind, .rule = *rule}) : std::nullopt;
   }
   const std::optional<std::size_t> number = number_from_text(*named, detail);
   return number ? std::optional(Strategy{.kind = named->kind, .number = *number}) : std::nullopt;
