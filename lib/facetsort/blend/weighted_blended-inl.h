@@ -8,8 +8,8 @@
 // paper means units of scenes that reach to 500; it falls, nearly as 1 / z^2, from 0.3 to 158. Here the unit is the
 // hundredth part of the distance along the camera axis to the mesh's farthest vertex, so that no mesh's unit of length
 // matters. In orthographic views, which have no distance from an eye, the nearest vertex counts as half as far as the
-// farthest. Equation (10), of a depth buffer's values, was tried between the nearest and the farthest vertex: it falls
-// so fast that hardly more than the nearest layer is seen.
+// farthest. Equation (10), of a depth buffer's values, was tried between the nearest and the farthest vertex: of some
+// meshes it shows hardly more than the nearest layer.
 #if defined(FACETSORT_BLEND_WEIGHTED_BLENDED_INL_H) == defined(HWY_TARGET_TOGGLE)
 #ifdef FACETSORT_BLEND_WEIGHTED_BLENDED_INL_H
 #undef FACETSORT_BLEND_WEIGHTED_BLENDED_INL_H
