@@ -141,14 +141,21 @@ struct StrategyRenderer::State {
   std::span<const std::uint32_t> order;
   std::size_t blended = 0;               // facets; those that are not come after them
   SceneInput scene;                      // of draw_order
-  std::vector<std::uint32_t> drawn;      // the order in draw ids of the whole mesh, where only a part of it is ordered
+  // The order and its pieces' cuts by ids of the whole mesh, where only a part of it is ordered.
+  std::vector<std::uint32_t> drawn;
+  std::vector<Cut> drawn_cuts;
   std::vector<DrawBatch> batches;        // where what is drawn has several states
   std::vector<glm::vec4> colours;
   Rasteriser rasteriser;
   int passes_drawn = 1;
   std::size_t longest_list = 0;  // of the last reference drawn
 
-  Pieces pieces() const { return exact_sorter ? exact_sorter->pieces() : Pieces{}; }
+  Pieces pieces() const {
+    if (!exact_sorter) return {};
+    Pieces pieces = exact_sorter->pieces();
+    if (has_batches()) pieces.cuts = drawn_cuts;
+    return pieces;
+  }
 
   // With the given colours, whatever the strategy (but reference) does.
   DrawStatistics draw(const View& view, std::span<const glm::vec4> facet_colours, const glm::vec4& clear_colour,
@@ -174,10 +181,15 @@ struct StrategyRenderer::State {
 
   // Those that are not blended, with depth, and the passes over the others, tested against it.
   void batch_passes() {
-    const std::size_t facets = mesh.facet_count();
-    drawn.assign(order.begin(), order.end());
-    for (std::uint32_t& id : drawn) {
-      if (id >= blended) id += static_cast<std::uint32_t>(facets - blended);  // a piece
+    // Ids of pieces and of planes that are no facets' follow those of facets.
+    const auto others = static_cast<std::uint32_t>(mesh.facet_count() - blended);
+    const auto in_mesh = [&](std::uint32_t id) { return id < blended ? id : id + others; };
+    drawn.resize(order.size());
+    std::transform(order.begin(), order.end(), drawn.begin(), in_mesh);
+    if (exact_sorter) {
+      const std::span<const Cut> cuts = exact_sorter->pieces().cuts;
+      drawn_cuts.assign(cuts.begin(), cuts.end());
+      for (Cut& cut : drawn_cuts) cut.plane = in_mesh(cut.plane);
     }
     batches = {{std::span(index_order).subspan(blended), opaque_pass}};
     for (DrawPass pass : passes) {

@@ -1,0 +1,168 @@
+// Strategies on scenes: opaque objects among transparent ones, and whole objects in the order of an engine.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <glm/gtc/matrix_transform.hpp>
+#include <string>
+#include <vector>
+
+#include "facetsort/blend/strategy.h"
+#include "shapes.h"
+
+namespace facetsort {
+namespace {
+
+SceneMesh scene_mesh(const Mesh& mesh, std::uint32_t material) {
+  SceneMesh result;
+  result.positions = mesh.positions;
+  result.triangles = mesh.triangles;
+  result.material = material;
+  return result;
+}
+
+glm::dmat4 at(double x, double y, double z) {
+  return glm::translate(glm::dmat4(1), {x, y, z});
+}
+
+// A scene and its objects as one mesh, blended ones first.
+struct MergedScene {
+  Scene scene;
+  MergedMesh merged;
+
+  explicit MergedScene(Scene made) : scene(std::move(made)) {
+    std::vector<std::uint32_t> objects;
+    for (const bool blended : {true, false}) {
+      for (std::uint32_t object = 0; object < scene.objects.size(); ++object) {
+        const AlphaMode mode = scene.material_of(object).material.alpha_mode;
+        if ((mode == AlphaMode::blend) == blended) objects.push_back(object);
+      }
+    }
+    merged = merge(scene, objects).value();
+  }
+
+  View view(const glm::vec3& direction) const {
+    const Box box = facet_bounds(merged.mesh.view());
+    View view = default_view(box, box.centre() + box.radius() * direction);
+    view.width = view.height = 160;
+    return view;
+  }
+
+  Image draw(const std::string& strategy, const View& view) const {
+    StrategyRenderer renderer(merged.mesh.view(), *strategy_from_name(strategy), {}, {&scene, merged.objects});
+    Image image;
+    renderer.order(view);
+    renderer.draw(view, PixelFormat::rgba32f, image);
+    return image;
+  }
+};
+
+std::size_t pixels_off(const Image& a, const Image& b) {
+  std::size_t off = 0;
+  for (std::size_t pixel = 0; pixel < a.pixels.size(); ++pixel) {
+    const glm::vec4 difference = glm::abs(a.pixels[pixel] - b.pixels[pixel]);
+    off += std::max({difference.r, difference.g, difference.b}) > 1e-4f;
+  }
+  return off;
+}
+
+// Two spheres one behind the other, an opaque box that sticks out of one of them, and a knot through the other.
+Scene mixed_scene(bool double_sided) {
+  Scene scene;
+  scene.materials = {{.material = {.base_colour = {1, 0, 0, 0.5f}, .double_sided = double_sided}},
+                     {.material = {.base_colour = {0, 1, 0, 0.5f}, .double_sided = double_sided}},
+                     {.material = {.base_colour = {0, 0, 1, 0.3f}, .alpha_mode = AlphaMode::opaque}}};
+  const Mesh sphere = shapes::nested_shells(1, 0.1f, 2);
+  scene.meshes = {scene_mesh(sphere, 0), scene_mesh(sphere, 1), scene_mesh(shapes::interpenetrating(0), 2),
+                  scene_mesh(shapes::torus_knot(2000), 0)};
+  scene.objects = {{.mesh = 0, .world = at(0, 0, 0)},
+                   {.mesh = 2, .world = at(0.9, 0.3, 0)},
+                   {.mesh = 1, .world = at(0.5, 0.2, -2.5)},
+                   {.mesh = 3, .world = at(0.2, 0, -2.6)}};
+  return scene;
+}
+
+TEST(SceneStrategy, ExactOrdersAmongOpaqueObjectsDrawTheReference) {
+  const MergedScene scene(mixed_scene(true));
+  for (const glm::vec3& direction : {glm::vec3(0.3f, 0.4f, 2.5f), glm::vec3(2, 1, -1.5f)}) {
+    const View view = scene.view(direction);
+    const Image reference = scene.draw("reference", view);
+    for (const char* exact : {"facet_sort:exact", "facet_sort:exact_tree", "facet_sort:presorted", "depth_peeling"}) {
+      EXPECT_EQ(pixels_off(scene.draw(exact, view), reference), 0u) << exact;
+    }
+    // The box hides by depth, whatever the order of the rest.
+    EXPECT_GT(pixels_off(scene.draw("unsorted", view), reference), 200u);
+  }
+}
+
+TEST(SceneStrategy, OpaqueFacetsAreNeitherSortedNorCounted) {
+  const MergedScene scene(mixed_scene(true));
+  const MeshView mesh = scene.merged.mesh.view(), blended = blended_facets(mesh);
+  EXPECT_EQ(blended.facet_count(), 2 * 20 * 16 + scene.scene.meshes[3].triangles.size());
+  EXPECT_LT(blended.facet_count(), mesh.facet_count());
+  StrategyRenderer renderer(mesh, *strategy_from_name("facet_sort:centroid_distance"));
+  EXPECT_FALSE(renderer.draws_in_order());
+  EXPECT_TRUE(renderer.discards_fragments());
+  EXPECT_EQ(renderer.bytes_per_pixel(), sizeof(float));
+  StrategyRenderer all(blended, *strategy_from_name("facet_sort:centroid_distance"));
+  EXPECT_TRUE(all.draws_in_order());
+  EXPECT_FALSE(all.discards_fragments());
+}
+
+TEST(SceneStrategy, NothingButOpaqueNeedsNoOrder) {
+  Scene scene = mixed_scene(true);
+  for (SceneMaterial& material : scene.materials) material.material.alpha_mode = AlphaMode::opaque;
+  const MergedScene opaque(std::move(scene));
+  const View view = opaque.view({0.3f, 0.4f, 2.5f});
+  const Image reference = opaque.draw("reference", view);
+  for (const char* any : {"unsorted", "facet_sort:exact", "separate_culling_pass", "draw_order:three"}) {
+    EXPECT_EQ(pixels_off(opaque.draw(any, view), reference), 0u) << any;
+  }
+}
+
+// Convex objects apart from each other and seen from outside need no more than each engine does.
+Scene spheres_in_a_row(bool double_sided) {
+  Scene scene = mixed_scene(double_sided);
+  scene.objects = {{.mesh = 0, .world = at(0, 0, 0)},
+                   {.mesh = 1, .world = at(0.3, 0.1, -2.5)},
+                   {.mesh = 0, .world = at(-0.2, 0.2, 2.4)},
+                   {.mesh = 2, .world = at(0.1, -0.4, -7)}};
+  return scene;
+}
+
+TEST(SceneStrategy, EnginesAreRightOnConvexObjectsApart) {
+  const MergedScene scene(spheres_in_a_row(false));
+  for (const glm::vec3& direction : {glm::vec3(0.1f, 0.2f, 2.5f), glm::vec3(0.2f, 0.3f, -2.5f)}) {
+    const View view = scene.view(direction);
+    const Image reference = scene.draw("reference", view);
+    for (const DrawOrderRule rule : all_draw_order_rules()) {
+      const std::string name = "draw_order:" + std::string(draw_order_rule_name(rule));
+      EXPECT_EQ(pixels_off(scene.draw(name, view), reference), 0u) << name;
+    }
+    EXPECT_GT(pixels_off(scene.draw("unsorted", view), reference), 100u);
+  }
+}
+
+// Back faces, then front faces: that is Three.js's way with both sides of a transparent material.
+TEST(SceneStrategy, OnlyThreeIsRightOnBothSidesOfConvexObjects) {
+  const MergedScene scene(spheres_in_a_row(true));
+  const View view = scene.view({0.1f, 0.2f, 2.5f});
+  const Image reference = scene.draw("reference", view);
+  EXPECT_EQ(pixels_off(scene.draw("draw_order:three", view), reference), 0u);
+  for (const char* other : {"draw_order:babylon", "draw_order:galacean", "draw_order:panda3d"}) {
+    EXPECT_GT(pixels_off(scene.draw(other, view), reference), 100u) << other;
+  }
+}
+
+TEST(SceneStrategy, NamesOfRules) {
+  for (const DrawOrderRule rule : all_draw_order_rules()) {
+    const Strategy strategy{.kind = StrategyKind::draw_order, .rule = rule};
+    EXPECT_EQ(strategy_from_name(strategy.name()), strategy);
+    EXPECT_FALSE(strategy.draws_in_order());
+  }
+  EXPECT_EQ(strategy_from_name("draw_order"), std::nullopt);
+  EXPECT_EQ(strategy_from_name("draw_order:unity"), std::nullopt);
+}
+
+}  // namespace
+}  // namespace facetsort
