@@ -25,6 +25,12 @@ constexpr std::size_t triangles_per_task = 8192;
 constexpr std::uint32_t most_tiles_across = 1024;
 constexpr double wanted_tiles_per_triangle = 3;
 constexpr std::size_t most_tiles_per_triangle = 8;
+constexpr std::size_t tiles_in_any_case = 16384;  // for few triangles, at little cost
+
+// In which all triangles together may lie: a triangle counts on each tile that it reaches.
+std::size_t most_tiles(std::size_t triangles) {
+  return most_tiles_per_triangle * triangles + tiles_in_any_case;
+}
 
 // Tiles in a row of a chart that [lowest, highest] reaches.
 struct TileRange {
@@ -117,7 +123,7 @@ std::uint32_t RunGrouper::State::choose_tiles(std::uint32_t charts) const {
     sides += static_cast<double>(size.x + size.y);
     area += static_cast<double>(size.x * size.y);
   });
-  const double wanted = wanted_tiles_per_triangle * count;
+  const double wanted = wanted_tiles_per_triangle * count + static_cast<double>(tiles_in_any_case);
   std::uint32_t across = most_tiles_across / (charts == 1 ? 1 : 2);
   while (across > 1) {
     const double tiles_per_unit = 0.5 * across;
@@ -125,7 +131,7 @@ std::uint32_t RunGrouper::State::choose_tiles(std::uint32_t charts) const {
     across /= 2;
   }
   // The estimate above is of the mean: footprints may lie across more tiles than that.
-  while (across > 1 && count_tiles(across) > most_tiles_per_triangle * footprints.size()) across /= 2;
+  while (across > 1 && count_tiles(across) > most_tiles(footprints.size())) across /= 2;
   return across;
 }
 
@@ -136,8 +142,8 @@ void RunGrouper::State::link(std::uint32_t charts, std::uint32_t across) {
   waits_for.assign(triangles, 0);
   next_edge.clear();
   edge_to.clear();
-  next_edge.reserve(most_tiles_per_triangle * triangles);
-  edge_to.reserve(most_tiles_per_triangle * triangles);
+  next_edge.reserve(most_tiles(triangles));
+  edge_to.reserve(most_tiles(triangles));
   for_each_footprint([&](std::uint32_t triangle, const Footprint& f) {
     const TileRange columns = tiles_of(f.lowest.x, f.highest.x, across);
     const TileRange rows = tiles_of(f.lowest.y, f.highest.y, across);
