@@ -24,9 +24,9 @@ GltfText rich_file() {
   text.add_accessor(text.add_view(std::vector<std::uint8_t>(16, 200)), 4, "VEC4", 5121, R"(,"normalized":true)");
   const int indices = text.add_view(std::vector<std::uint8_t>{3});
   const int values = text.add_view(std::vector<float>{1, 1, 1});
-  text.add_raw_accessor(R"({"bufferView":0,"count":4,"type":"VEC3","componentType":5126,"sparse":{"count":1,"indices":{"bufferView":)" +
-                        std::to_string(indices) + R"(,"componentType":5121},"values":{"bufferView":)" +
-                        std::to_string(values) + "}}}");
+  text.add_raw_accessor(
+      R"({"bufferView":0,"count":4,"type":"VEC3","componentType":5126,"sparse":{"count":1,"indices":{"bufferView":)" +
+      std::to_string(indices) + R"(,"componentType":5121},"values":{"bufferView":)" + std::to_string(values) + "}}}");
   const std::string png = small_png(2, 2, std::vector<std::uint8_t>(16, 99));
   const int picture = text.add_view(std::vector<char>(png.begin(), png.end()));
   text.images = R"({"mimeType":"image/png","bufferView":)" + std::to_string(picture) + "}";
@@ -45,9 +45,7 @@ GltfText rich_file() {
 
 class DamagedScene : public testing::TestWithParam<const char*> {
  protected:
-  std::string whole() const {
-    return std::string(GetParam()) == ".glb" ? rich_file().glb() : rich_file().gltf();
-  }
+  std::string whole() const { return std::string(GetParam()) == ".glb" ? rich_file().glb() : rich_file().gltf(); }
   // True where a scene came out.
   bool expect_scene_or_line(const std::string& bytes) const {
     const std::filesystem::path path = folder_.write(std::string("bad") + GetParam(), bytes);
@@ -101,8 +99,8 @@ TEST_P(DamagedScene, LyingNumbers) {
     if (!begins) continue;
     std::size_t last = at;
     while (std::isdigit(static_cast<unsigned char>(bytes[last])) != 0) ++last;
-    for (const char* lie : {"-1", "7", "4294967295", "2147483648", "18446744073709551615", "1e300", "1e999", "0", "null",
-                            "[]", "\"x\""}) {
+    for (const char* lie : {"-1", "7", "4294967295", "2147483648", "18446744073709551615", "1e300", "1e999", "0",
+                            "null", "[]", "\"x\""}) {
       expect_scene_or_line(bytes.substr(0, at) + lie + bytes.substr(last));
     }
   }

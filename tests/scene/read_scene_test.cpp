@@ -69,7 +69,8 @@ TEST_F(ReadScene, OneTriangleAsTextAndBinary) {
 TEST_F(ReadScene, PlacesNodesDownTheTree) {
   GltfText text = one_triangle();
   // A quarter turn around z, then twice as large, then moved; the child is moved in its parent's space.
-  text.nodes = R"({"name":"parent","mesh":0,"translation":[10,0,0],"rotation":[0,0,0.7071067811865476,0.7071067811865476],
+  text.nodes =
+      R"({"name":"parent","mesh":0,"translation":[10,0,0],"rotation":[0,0,0.7071067811865476,0.7071067811865476],
                    "scale":[2,2,2],"children":[1]},
                   {"name":"child","mesh":0,"matrix":[1,0,0,0, 0,1,0,0, 0,0,1,0, 1,2,3,1]})";
   const Scene scene = read(text.gltf());
@@ -108,7 +109,8 @@ TEST_F(ReadScene, IndicesOfEveryType) {
 TEST_F(ReadScene, StripsAndFans) {
   GltfText text;
   text.add_positions({0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0, 0, 2, 0});
-  text.meshes = R"({"name":"m","primitives":[{"attributes":{"POSITION":0},"mode":5},{"attributes":{"POSITION":0},"mode":6},
+  text.meshes =
+      R"({"name":"m","primitives":[{"attributes":{"POSITION":0},"mode":5},{"attributes":{"POSITION":0},"mode":6},
                     {"attributes":{"POSITION":0},"mode":0}]})";
   text.nodes = R"({"mesh":0})";
   const Scene scene = read(text.gltf());
@@ -130,7 +132,8 @@ TEST_F(ReadScene, StridedPositionsAndNormalisedColours) {
   text.add_accessor(text.add_view(bytes), 3, "VEC4", 5121, R"(,"normalized":true)");
   const std::vector<std::uint16_t> shorts{65535, 0, 13107, 0, 65535, 0, 0, 0, 0};
   text.add_accessor(text.add_view(shorts), 3, "VEC3", 5123, R"(,"normalized":true)");
-  text.meshes = R"({"primitives":[{"attributes":{"POSITION":0,"COLOR_0":1}},{"attributes":{"POSITION":0,"COLOR_0":2}}]})";
+  text.meshes =
+      R"({"primitives":[{"attributes":{"POSITION":0,"COLOR_0":1}},{"attributes":{"POSITION":0,"COLOR_0":2}}]})";
   text.nodes = R"({"mesh":0})";
   const Scene scene = read(text.gltf());
   EXPECT_EQ(scene.meshes[0].positions[2], glm::vec3(0, 1, 0));
@@ -235,7 +238,8 @@ TEST_F(ReadScene, TextureCoordinatesOfTheSetAskedFor) {
 // Scaled, then turned by a quarter (u' = v, v' = -u), then moved.
 TEST_F(ReadScene, TextureTransform) {
   const Scene scene = read(textured(R"(,"extensions":{"KHR_texture_transform":{"offset":[0.5,0.25],
-      "rotation":1.5707963267948966,"scale":[2,3]}})").gltf());
+      "rotation":1.5707963267948966,"scale":[2,3]}})")
+                               .gltf());
   const std::vector<glm::vec2> expected{{0.5f, 0.25f}, {0.5f, -1.75f}, {3.5f, 0.25f}};
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_NEAR(scene.meshes[0].texture_coordinates[i].x, expected[i].x, 1e-6f);
@@ -327,9 +331,7 @@ TEST_F(ReadScene, NamesWhatItRefuses) {
                "node 0: a translation of 2 numbers");
   expect_fault(with([](GltfText& t) { t.nodes = R"({"mesh":0,"matrix":[1,0,0,1,0,1,0,0,0,0,1,0,0,0,0,1]})"; }),
                Fault::malformed, "node 0: a place");
-  expect_fault(with([](GltfText& t) {
-                 t.meshes = R"({"primitives":[{"attributes":{"POSITION":0},"material":2}]})";
-               }),
+  expect_fault(with([](GltfText& t) { t.meshes = R"({"primitives":[{"attributes":{"POSITION":0},"material":2}]})"; }),
                Fault::index_out_of_range, "mesh 0, primitive 0 names material 2 of 0");
   expect_fault(with([](GltfText& t) { t.materials = R"({"alphaMode":"GLASS"})"; }), Fault::malformed, "'GLASS'");
   expect_fault(with([](GltfText& t) { t.meshes = R"({"primitives":[{"attributes":{"POSITION":0},"mode":1}]})"; }),

@@ -23,14 +23,12 @@ struct MergedObject {
 };
 
 struct MergedMesh {
-  Mesh mesh;                                  // in world space, with the scene's materials and textures
-  std::vector<MergedObject> objects;          // in the order asked for
-  std::vector<std::uint32_t> facet_objects;   // of each facet: which of `objects`
+  Mesh mesh;                                 // in world space, with the scene's materials and textures
+  std::vector<MergedObject> objects;         // in the order asked for
+  std::vector<std::uint32_t> facet_objects;  // of each facet: which of `objects`
 
   // Of a facet, among those of its object's mesh.
-  std::uint32_t facet_in_object(std::uint32_t facet) const {
-    return facet - objects[facet_objects[facet]].first_facet;
-  }
+  std::uint32_t facet_in_object(std::uint32_t facet) const { return facet - objects[facet_objects[facet]].first_facet; }
 };
 
 // Positions are transformed in double and rounded to float once. As glTF asks, a facet that is counter-clockwise in its
