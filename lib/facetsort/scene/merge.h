@@ -40,8 +40,9 @@ Result<MergedMesh> merge(const Scene& scene, std::span<const std::uint32_t> obje
 
 // Brings merged.objects[k] up to date with the object's place and its mesh's positions in the scene, or with other
 // positions in the mesh's space (skinned, morphed), one for each of its vertices. Nothing else is touched and nothing
-// allocated; facets stay the same, so what was made of the merged mesh can go on with its new positions
-// (Sorter::set_positions). Fault: non_finite_position; the merged mesh then is as it was.
+// allocated. Facets stay the same, but for the corners of one that a new place mirrors, so what was made of the merged
+// mesh can go on with its new positions (Sorter::set_positions). Fault: non_finite_position; the merged mesh then is as
+// it was.
 Status update(MergedMesh& merged, const Scene& scene, std::size_t k);
 Status update(MergedMesh& merged, const Scene& scene, std::size_t k, std::span<const glm::vec3> positions);
 
