@@ -31,14 +31,15 @@ Scene scattered_knots(double side) {
   Scene scene;
   scene.materials.push_back({.name = "glass", .material = {.base_colour = glm::vec4(1, 1, 1, 0.5f)}});
   Mesh knot = shapes::torus_knot(facets_of_knot);
-  scene.meshes.push_back({.name = "knot", .positions = std::move(knot.positions), .triangles = std::move(knot.triangles)});
+  scene.meshes.push_back(
+      {.name = "knot", .positions = std::move(knot.positions), .triangles = std::move(knot.triangles)});
   std::mt19937 random(7);
   const auto below_one = [&] { return static_cast<double>(random()) * 0x1p-32; };
   for (std::uint32_t i = 0; i < knots; ++i) {
     const double turn = 2 * 3.14159265358979 * below_one(), tilt = 3.14159265358979 * below_one();
     const double c = std::cos(turn), s = std::sin(turn), ct = std::cos(tilt), st = std::sin(tilt);
-    const glm::dmat4 turned(glm::dvec4(c, s, 0, 0), glm::dvec4(-s * ct, c * ct, st, 0), glm::dvec4(s * st, -c * st, ct, 0),
-                            glm::dvec4(0, 0, 0, 1));
+    const glm::dmat4 turned(glm::dvec4(c, s, 0, 0), glm::dvec4(-s * ct, c * ct, st, 0),
+                            glm::dvec4(s * st, -c * st, ct, 0), glm::dvec4(0, 0, 0, 1));
     glm::dmat4 world = turned;
     for (int axis = 0; axis < 3; ++axis) world[3][axis] = side * below_one();
     scene.objects.push_back({.name = "knot " + std::to_string(i), .mesh = 0, .world = world});
@@ -94,7 +95,9 @@ void sort_scene(benchmark::State& state, double side, const SceneSorterOptions& 
       sum.triangles += statistics.triangles;
       sum.groups += statistics.groups;
     }
-    const auto mean = [&](auto total) { return benchmark::Counter(static_cast<double>(total), benchmark::Counter::kAvgIterations); };
+    const auto mean = [&](auto total) {
+      return benchmark::Counter(static_cast<double>(total), benchmark::Counter::kAvgIterations);
+    };
     state.counters["sort_ms"] = mean(sum.sort_ms);
     state.counters["group_runs_ms"] = mean(sum.group_runs_ms);
     state.counters["runs_as_found"] = mean(sum.runs_as_found);

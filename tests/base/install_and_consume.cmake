@@ -20,7 +20,7 @@ else()
   set(whole OFF)
   set(build ${WORK}/order)
   file(REMOVE ${build}/CMakeCache.txt)  # packages hidden by an earlier version of this file would stay so
-  foreach(package embree OpenMesh OpenImageIO Boost nlohmann_json CLI11 GTest benchmark)
+  foreach(package embree OpenMesh OpenImageIO Boost TinyGLTF nlohmann_json CLI11 GTest benchmark)
     list(APPEND hidden -DCMAKE_DISABLE_FIND_PACKAGE_${package}=ON)
   endforeach()
   run(${configure} --no-warn-unused-cli ${hidden} -S ${SOURCE} -B ${build} -DFACETSORT_COMPONENTS=order

@@ -81,7 +81,8 @@ void expect_same_pictures(const Scene& scene, std::uint32_t seed) {
   RandomNumbers random(seed);
   Ids order(mesh.triangles.size());
   std::iota(order.begin(), order.end(), 0u);
-  for (std::size_t k = order.size(); k > 1; --k) std::swap(order[k - 1], order[random.below(static_cast<std::uint32_t>(k))]);
+  for (std::size_t k = order.size(); k > 1; --k)
+    std::swap(order[k - 1], order[random.below(static_cast<std::uint32_t>(k))]);
   std::vector<glm::uvec3> triangles;
   Ids objects;
   for (const std::uint32_t facet : order) {

@@ -43,8 +43,8 @@ TEST(ObjectGroups, BoxesThatTouchAreParted) {
 
 // Boxes overlap along the axes, but not across an edge's direction.
 TEST(ObjectGroups, SlantedPlanesPartToo) {
-  const Slabs below = slabs_of_points({{0, 0, 0}, {1, 0, 0}, {0, 1, 0}});
-  const Slabs above = slabs_of_points({{1, 1, 0}, {1, 0.25f, 0}, {0.25f, 1, 0}});
+  const Slabs below = slabs_of_points({{0, 0, -1}, {1, 0, 1}, {0, 1, 1}});
+  const Slabs above = slabs_of_points({{1, 1, -1}, {1, 0.25f, 1}, {0.25f, 1, 1}});
   EXPECT_EQ(sequence_of(below, above, {9, 9, 0, 1}), Sequence::first_before);
   EXPECT_EQ(sequence_of(below, above, {-9, -9, 0, 1}), Sequence::second_before);
 }

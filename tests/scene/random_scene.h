@@ -18,14 +18,17 @@ class RandomNumbers {
   explicit RandomNumbers(std::uint32_t seed) : generator_(seed) {}
   double between(double low, double high) { return low + (high - low) * static_cast<double>(generator_()) * 0x1p-32; }
   std::uint32_t below(std::uint32_t end) { return static_cast<std::uint32_t>(generator_()) % end; }
-  glm::dvec3 point(double reach) { return glm::dvec3{between(-reach, reach), between(-reach, reach), between(-reach, reach)}; }
+  glm::dvec3 point(double reach) {
+    return glm::dvec3{between(-reach, reach), between(-reach, reach), between(-reach, reach)};
+  }
 
  private:
   std::mt19937 generator_;
 };
 
 inline void add_mesh(Scene& scene, const std::string& name, Mesh mesh) {
-  scene.meshes.push_back({.name = name, .positions = std::move(mesh.positions), .triangles = std::move(mesh.triangles)});
+  scene.meshes.push_back(
+      {.name = name, .positions = std::move(mesh.positions), .triangles = std::move(mesh.triangles)});
 }
 
 // Objects of about 1 across in a cube that reaches to `reach` from the origin: the smaller, the more overlap.

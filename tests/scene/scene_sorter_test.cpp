@@ -163,8 +163,7 @@ TEST(SceneSorter, UpdatesAreAsIfMadeAnew) {
     SceneSorter anew = sorter_of(scene, {.method = method});
     for (const View& view : views) {
       const SceneOrder order = sorter.sort(sort_view(view)), expected = anew.sort(sort_view(view));
-      EXPECT_EQ(Ids(order.indices.begin(), order.indices.end()),
-                Ids(expected.indices.begin(), expected.indices.end()));
+      EXPECT_EQ(Ids(order.indices.begin(), order.indices.end()), Ids(expected.indices.begin(), expected.indices.end()));
       EXPECT_EQ(std::vector<DrawRun>(order.runs.begin(), order.runs.end()),
                 std::vector<DrawRun>(expected.runs.begin(), expected.runs.end()));
     }

@@ -25,6 +25,12 @@ constexpr std::size_t triangles_per_task = 8192;
 constexpr std::uint32_t most_tiles_across = 1024;
 constexpr double wanted_tiles_per_triangle = 3;
 constexpr std::size_t most_tiles_per_triangle = 8;
+constexpr std::size_t tiles_in_any_case = 16384;  // for few triangles, at little cost
+
+// In which all triangles together may lie: a triangle counts on each tile that it reaches.
+std::size_t most_tiles(std::size_t triangles) {
+  return most_tiles_per_triangle * triangles + tiles_in_any_case;
+}
 
 // Tiles in a row of a chart that [lowest, highest] reaches.
 struct TileRange {
@@ -41,18 +47,35 @@ TileRange tiles_of(float lowest, float highest, std::uint32_t across) {
   return {tile(lowest), tile(highest)};
 }
 
+// All of a triangle that putting in order looks at, in one place: triangles come up in any order.
+struct Waiting {
+  std::uint32_t first_edge;  // to a triangle that waits for this one
+  std::uint32_t waits_for;   // so many others
+  std::uint32_t object;
+};
+struct Edge {
+  std::uint32_t to, next;
+};
+
+// An object's part of `queued`: every triangle is queued once.
+struct Queue {
+  std::uint32_t next, end;  // those that are ready
+
+  std::uint32_t size() const { return end - next; }
+};
+
 }  // namespace
 
 struct RunGrouper::State {
-  std::vector<Footprint> footprints;       // of each triangle, or in_several_charts and then lowest.x is not used
-  std::vector<Footprint> further;          // of those in several charts, one triangle after the other
-  std::vector<std::uint32_t> further_ends; // where in `further` those of each such triangle end
+  std::vector<Footprint> footprints;        // of each triangle, or in_several_charts and then lowest.x is not used
+  std::vector<Footprint> further;           // of those in several charts, one triangle after the other
+  std::vector<std::uint32_t> further_ends;  // where in `further` those of each such triangle end
   std::vector<std::uint32_t> last_on_tile;
-  // Edges to triangles that have to wait for one, as a list.
-  std::vector<std::uint32_t> first_edge, next_edge, edge_to;
-  std::vector<std::uint32_t> waits_for;    // how many
-  // Queues of those that wait for nothing.
-  std::vector<std::uint32_t> next_ready, first_ready, last_ready, ready_count, ready_objects;
+  std::vector<Waiting> waiting;  // of each triangle
+  std::vector<Edge> edges;
+  std::vector<std::uint32_t> queued;  // triangles that wait for nothing, now or before, object by object
+  std::vector<Queue> queues;          // of each object
+  std::vector<std::uint32_t> ready_objects;
   std::vector<std::uint32_t> order;
 
   void find_footprints(const Charts& charts, const DrawnTriangles& drawn);
@@ -61,9 +84,10 @@ struct RunGrouper::State {
   std::uint32_t choose_tiles(std::uint32_t charts) const;
   std::size_t count_tiles(std::uint32_t across) const;
   void link(std::uint32_t charts, std::uint32_t across);
-  void make_ready(std::uint32_t triangle, std::uint32_t object);
+  void lay_out_queues(std::size_t objects);
+  void fetch_ahead(const Queue& queue) const;
   std::uint32_t take_fullest();
-  void put_in_order(std::span<const std::uint32_t> objects);
+  void put_in_order();
 };
 
 void RunGrouper::State::find_footprints(const Charts& charts, const DrawnTriangles& drawn) {
@@ -96,7 +120,8 @@ void RunGrouper::State::for_each_footprint(const Body& body) const {
       body(static_cast<std::uint32_t>(k), footprints[k]);
       continue;
     }
-    for (const std::size_t end = further_ends[several++]; at < end; ++at) body(static_cast<std::uint32_t>(k), further[at]);
+    for (const std::size_t end = further_ends[several++]; at < end; ++at)
+      body(static_cast<std::uint32_t>(k), further[at]);
   }
 }
 
@@ -117,7 +142,7 @@ std::uint32_t RunGrouper::State::choose_tiles(std::uint32_t charts) const {
     sides += static_cast<double>(size.x + size.y);
     area += static_cast<double>(size.x * size.y);
   });
-  const double wanted = wanted_tiles_per_triangle * count;
+  const double wanted = wanted_tiles_per_triangle * count + static_cast<double>(tiles_in_any_case);
   std::uint32_t across = most_tiles_across / (charts == 1 ? 1 : 2);
   while (across > 1) {
     const double tiles_per_unit = 0.5 * across;
@@ -125,19 +150,15 @@ std::uint32_t RunGrouper::State::choose_tiles(std::uint32_t charts) const {
     across /= 2;
   }
   // The estimate above is of the mean: footprints may lie across more tiles than that.
-  while (across > 1 && count_tiles(across) > most_tiles_per_triangle * footprints.size()) across /= 2;
+  while (across > 1 && count_tiles(across) > most_tiles(footprints.size())) across /= 2;
   return across;
 }
 
+// Precondition: `waiting` has each triangle's object.
 void RunGrouper::State::link(std::uint32_t charts, std::uint32_t across) {
-  const std::size_t triangles = footprints.size();
   last_on_tile.assign(std::size_t{charts} * across * across, none);
-  first_edge.assign(triangles, none);
-  waits_for.assign(triangles, 0);
-  next_edge.clear();
-  edge_to.clear();
-  next_edge.reserve(most_tiles_per_triangle * triangles);
-  edge_to.reserve(most_tiles_per_triangle * triangles);
+  edges.clear();
+  edges.reserve(most_tiles(waiting.size()));
   for_each_footprint([&](std::uint32_t triangle, const Footprint& f) {
     const TileRange columns = tiles_of(f.lowest.x, f.highest.x, across);
     const TileRange rows = tiles_of(f.lowest.y, f.highest.y, across);
@@ -147,25 +168,29 @@ void RunGrouper::State::link(std::uint32_t charts, std::uint32_t across) {
         const std::uint32_t before = last;
         last = triangle;
         if (before == none || before == triangle) continue;
-        const std::uint32_t latest = first_edge[before];
-        if (latest != none && edge_to[latest] == triangle) continue;  // from another tile
-        first_edge[before] = static_cast<std::uint32_t>(edge_to.size());
-        next_edge.push_back(latest);
-        edge_to.push_back(triangle);
-        ++waits_for[triangle];
+        std::uint32_t& latest = waiting[before].first_edge;
+        if (latest != none && edges[latest].to == triangle) continue;  // from another tile
+        edges.push_back({triangle, latest});
+        latest = static_cast<std::uint32_t>(edges.size() - 1);
+        ++waiting[triangle].waits_for;
       }
     }
   });
 }
 
-void RunGrouper::State::make_ready(std::uint32_t triangle, std::uint32_t object) {
-  next_ready[triangle] = none;
-  if (ready_count[object]++ == 0) {
-    first_ready[object] = triangle;
-  } else {
-    next_ready[last_ready[object]] = triangle;
+// Precondition: `waiting` has each triangle's object.
+void RunGrouper::State::lay_out_queues(std::size_t objects) {
+  queued.resize(waiting.size());
+  queues.assign(objects, {0, 0});
+  for (const Waiting& triangle : waiting) ++queues[triangle.object].end;
+  std::uint32_t begin = 0;
+  for (Queue& queue : queues) {
+    const std::uint32_t size = queue.end;
+    queue = {begin, begin};
+    begin += size;
   }
-  last_ready[object] = triangle;
+  ready_objects.clear();
+  ready_objects.reserve(objects + 1);
 }
 
 // Of the objects that have triangles ready, that with the most; the smaller number where several have. Those that have
@@ -174,10 +199,10 @@ std::uint32_t RunGrouper::State::take_fullest() {
   std::size_t kept = 0;
   std::uint32_t fullest = none;
   for (const std::uint32_t object : ready_objects) {
-    if (ready_count[object] == 0) continue;
+    const std::uint32_t size = queues[object].size();
+    if (size == 0) continue;
     ready_objects[kept++] = object;
-    if (fullest == none || ready_count[object] > ready_count[fullest] ||
-        (ready_count[object] == ready_count[fullest] && object < fullest)) {
+    if (fullest == none || size > queues[fullest].size() || (size == queues[fullest].size() && object < fullest)) {
       fullest = object;
     }
   }
@@ -185,36 +210,51 @@ std::uint32_t RunGrouper::State::take_fullest() {
   return fullest;
 }
 
-void RunGrouper::State::put_in_order(std::span<const std::uint32_t> objects) {
-  next_ready.resize(objects.size());
+// Triangles of a queue lie anywhere in memory, and so do those that wait for them: fetched a few places ahead.
+void RunGrouper::State::fetch_ahead(const Queue& queue) const {
+  constexpr std::uint32_t far = 16, near = 8, nearest = 4;
+  if (queue.size() > far) __builtin_prefetch(&waiting[queued[queue.next + far]]);
+  if (queue.size() > near) {
+    const std::uint32_t edge = waiting[queued[queue.next + near]].first_edge;
+    if (edge != none) __builtin_prefetch(&edges[edge]);
+  }
+  if (queue.size() > nearest) {
+    const std::uint32_t edge = waiting[queued[queue.next + nearest]].first_edge;
+    if (edge != none) __builtin_prefetch(&waiting[edges[edge].to], 1);
+  }
+}
+
+void RunGrouper::State::put_in_order() {
   order.clear();
-  order.reserve(objects.size());
-  const auto add = [&](std::uint32_t triangle) {
-    if (ready_count[objects[triangle]] == 0) ready_objects.push_back(objects[triangle]);
-    make_ready(triangle, objects[triangle]);
+  order.reserve(waiting.size());
+  const auto make_ready = [&](std::uint32_t triangle) { queued[queues[waiting[triangle].object].end++] = triangle; };
+  const auto make_object_ready = [&](std::uint32_t triangle) {
+    const std::uint32_t object = waiting[triangle].object;
+    if (queues[object].size() == 0) ready_objects.push_back(object);
+    make_ready(triangle);
   };
-  for (std::uint32_t k = 0; k < objects.size(); ++k) {
-    if (waits_for[k] == 0) add(k);
+  for (std::uint32_t k = 0; k < waiting.size(); ++k) {
+    if (waiting[k].waits_for == 0) make_object_ready(k);
   }
   for (std::uint32_t object; (object = take_fullest()) != none;) {
-    while (ready_count[object] > 0) {
-      const std::uint32_t triangle = first_ready[object];
-      first_ready[object] = next_ready[triangle];
-      --ready_count[object];
+    Queue& queue = queues[object];
+    while (queue.size() > 0) {
+      fetch_ahead(queue);
+      const std::uint32_t triangle = queued[queue.next++];
       order.push_back(triangle);
-      for (std::uint32_t edge = first_edge[triangle]; edge != none; edge = next_edge[edge]) {
-        const std::uint32_t next = edge_to[edge];
-        if (--waits_for[next] > 0) continue;
+      for (std::uint32_t edge = waiting[triangle].first_edge; edge != none; edge = edges[edge].next) {
+        const std::uint32_t next = edges[edge].to;
+        if (--waiting[next].waits_for > 0) continue;
         // The object that is drawn stays in the list until it has none.
-        if (objects[next] == object) {
-          make_ready(next, object);
+        if (waiting[next].object == object) {
+          make_ready(next);
         } else {
-          add(next);
+          make_object_ready(next);
         }
       }
     }
   }
-  assert(order.size() == objects.size());
+  assert(order.size() == waiting.size());
 }
 
 RunGrouper::RunGrouper() : state_(std::make_unique<State>()) {}
@@ -224,8 +264,8 @@ RunGrouper::~RunGrouper() = default;
 
 std::size_t RunGrouper::memory_bytes() const {
   const State& s = *state_;
-  return bytes_of(s.footprints, s.further, s.further_ends, s.last_on_tile, s.first_edge, s.next_edge, s.edge_to,
-                  s.waits_for, s.next_ready, s.first_ready, s.last_ready, s.ready_count, s.ready_objects, s.order);
+  return bytes_of(s.footprints, s.further, s.further_ends, s.last_on_tile, s.waiting, s.edges, s.queued, s.queues,
+                  s.ready_objects, s.order);
 }
 
 std::span<const std::uint32_t> RunGrouper::group(const glm::vec4& eye, const DrawnTriangles& drawn,
@@ -236,13 +276,11 @@ std::span<const std::uint32_t> RunGrouper::group(const glm::vec4& eye, const Dra
   const Charts charts(eye, facet_bounds(drawn.triangles, drawn.positions));
   state.find_footprints(charts, drawn);
   const std::uint32_t across = state.choose_tiles(charts.count());
+  state.waiting.resize(drawn.objects.size());
+  for (std::size_t k = 0; k < drawn.objects.size(); ++k) state.waiting[k] = {none, 0, drawn.objects[k]};
   state.link(charts.count(), across);
-  state.ready_count.assign(object_count, 0);
-  state.first_ready.resize(object_count);
-  state.last_ready.resize(object_count);
-  state.ready_objects.clear();
-  state.ready_objects.reserve(2 * object_count);
-  state.put_in_order(drawn.objects);
+  state.lay_out_queues(object_count);
+  state.put_in_order();
   return state.order;
 }
 

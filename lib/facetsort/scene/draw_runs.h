@@ -31,11 +31,10 @@ struct DrawnTriangles {
 };
 
 // Finds another order of the same triangles that makes the same picture to the bit and falls into fewer runs. Triangles
-// that have no tile of the screen in common may be drawn in either order, so those of one object are brought together as
-// far as no other object's triangle on a common tile has to come between. Of all objects that could go on, the one with
-// the most triangles ready does: the fewest runs are not promised (to find them is as hard as the shortest common
-// supersequence), but one object can't be moved next to another run of its own without a change of who hides whom on
-// some tile.
+// that have no tile of the screen in common may be drawn in either order, so those of one object are brought together
+// as far as no other object's triangle on a common tile has to come between. Of all objects that could go on, the one
+// with the most triangles ready does. The fewest runs are not promised, as to find them is as hard as the shortest
+// common supersequence; but no run as a whole could have been drawn with an earlier one of its object.
 //
 // Keeps its scratch, and allocates nothing once it has seen as many triangles and objects. One thread at a time; works
 // in parallel in the caller's task arena; the result is the same for any thread count.

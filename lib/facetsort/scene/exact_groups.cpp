@@ -96,12 +96,12 @@ ExactGroups::~ExactGroups() = default;
 void ExactGroups::update(const MergedMesh& merged, std::uint32_t k) {
   slabs_[k] = slabs_of_object(merged, k);
   slabs_changed_ = true;
-  std::erase_if(prepared_, [&](const auto& entry) {
-    return std::binary_search(entry.first.begin(), entry.first.end(), k);
-  });
+  std::erase_if(prepared_,
+                [&](const auto& entry) { return std::binary_search(entry.first.begin(), entry.first.end(), k); });
 }
 
-// Groups that cycles make come and go with the eye: the least recently used go where they take more than the scene does.
+// Groups that cycles make come and go with the eye: the least recently used go where they take more than the scene
+// does.
 void ExactGroups::drop_unused(std::size_t facets) {
   std::size_t held = 0;
   for (const auto& [objects, group] : prepared_) held += group->facets.size();

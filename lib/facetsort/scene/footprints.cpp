@@ -59,8 +59,8 @@ Polygon seen_through(const std::array<glm::dvec3, 3>& triangle, std::uint32_t fa
   constexpr double wider = 1 + 1e-9;
   Polygon polygon;
   for (const glm::dvec3& corner : triangle) polygon.add(on_face(corner, face));
-  for (const glm::dvec3& normal : {glm::dvec3(-1, 0, wider), glm::dvec3(1, 0, wider), glm::dvec3(0, -1, wider),
-                                   glm::dvec3(0, 1, wider)}) {
+  for (const glm::dvec3& normal :
+       {glm::dvec3(-1, 0, wider), glm::dvec3(1, 0, wider), glm::dvec3(0, -1, wider), glm::dvec3(0, 1, wider)}) {
     if (polygon.size > 0) polygon = clipped(polygon, normal);
   }
   return polygon;

@@ -39,10 +39,10 @@ class Charts {
   glm::dvec3 in_view(const glm::vec3& point) const;
 
   bool single_, orthographic_;
-  glm::dvec3 origin_;               // the eye or, orthographic, the centre
+  glm::dvec3 origin_;  // the eye or, orthographic, the centre
   glm::dvec3 right_, down_, forward_;
-  double reach_ = 1;                // of what is looked at, in units of the chart
-  float margin_;                    // beyond all rounding
+  double reach_ = 1;  // of what is looked at, in units of the chart
+  float margin_;      // beyond all rounding
 };
 
 }  // namespace facetsort::scene_internal

@@ -39,14 +39,15 @@ struct Chunks {
 Chunks chunks_of(std::span<const std::byte> file) {
   constexpr std::uint32_t json_type = 0x4e4f534a, binary_type = 0x004e4942;
   constexpr std::size_t header = 12, chunk_header = 8;
-  if (file.size() < header + chunk_header) throw SceneError{Fault::truncated, "the header of a binary file is cut short"};
+  if (file.size() < header + chunk_header)
+    throw SceneError{Fault::truncated, "the header of a binary file is cut short"};
   if (const std::uint32_t version = little_endian(file, 4); version != 2) {
     throw SceneError{Fault::unsupported_format, "glTF of version " + std::to_string(version) + ", not 2"};
   }
   const std::size_t length = little_endian(file, 8);
   if (length > file.size()) {
-    throw SceneError{Fault::truncated, "the file ends after " + std::to_string(file.size()) + " of " +
-                                           std::to_string(length) + " bytes"};
+    throw SceneError{Fault::truncated,
+                     "the file ends after " + std::to_string(file.size()) + " of " + std::to_string(length) + " bytes"};
   }
   const std::size_t json_bytes = little_endian(file, header), json_end = header + chunk_header + json_bytes;
   if (little_endian(file, header + 4) != json_type || json_end > length || json_bytes % 4 != 0) {

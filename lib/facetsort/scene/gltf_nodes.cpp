@@ -28,8 +28,8 @@ glm::dmat4 rotation_of(const std::vector<double>& quaternion) {
 glm::dmat4 local_of(const tinygltf::Node& node, std::size_t index) {
   const auto check = [&](const std::vector<double>& list, std::size_t size, const char* what) {
     if (list.empty() || list.size() == size) return;
-    throw SceneError{Fault::malformed, name_of(index) + ": a " + what + " of " + std::to_string(list.size()) +
-                                           " numbers"};
+    throw SceneError{Fault::malformed,
+                     name_of(index) + ": a " + what + " of " + std::to_string(list.size()) + " numbers"};
   };
   check(node.matrix, 16, "matrix");
   check(node.translation, 3, "translation");
@@ -62,14 +62,16 @@ void check_world(const glm::dmat4& world, std::size_t index) {
 std::vector<int> roots_of(const tinygltf::Model& model) {
   if (!model.scenes.empty()) {
     const int scene = model.defaultScene < 0 ? 0 : model.defaultScene;
-    if (static_cast<std::size_t>(scene) < model.scenes.size()) return model.scenes[static_cast<std::size_t>(scene)].nodes;
-    throw SceneError{Fault::index_out_of_range, "the default scene is " + std::to_string(scene) + " of " +
-                                                    std::to_string(model.scenes.size())};
+    if (static_cast<std::size_t>(scene) < model.scenes.size())
+      return model.scenes[static_cast<std::size_t>(scene)].nodes;
+    throw SceneError{Fault::index_out_of_range,
+                     "the default scene is " + std::to_string(scene) + " of " + std::to_string(model.scenes.size())};
   }
   std::vector<bool> is_child(model.nodes.size(), false);
   for (const tinygltf::Node& node : model.nodes) {
     for (const int child : node.children) {
-      if (child >= 0 && static_cast<std::size_t>(child) < is_child.size()) is_child[static_cast<std::size_t>(child)] = true;
+      if (child >= 0 && static_cast<std::size_t>(child) < is_child.size())
+        is_child[static_cast<std::size_t>(child)] = true;
     }
   }
   std::vector<int> roots;

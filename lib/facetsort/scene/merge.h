@@ -23,14 +23,12 @@ struct MergedObject {
 };
 
 struct MergedMesh {
-  Mesh mesh;                                  // in world space, with the scene's materials and textures
-  std::vector<MergedObject> objects;          // in the order asked for
-  std::vector<std::uint32_t> facet_objects;   // of each facet: which of `objects`
+  Mesh mesh;                                 // in world space, with the scene's materials and textures
+  std::vector<MergedObject> objects;         // in the order asked for
+  std::vector<std::uint32_t> facet_objects;  // of each facet: which of `objects`
 
   // Of a facet, among those of its object's mesh.
-  std::uint32_t facet_in_object(std::uint32_t facet) const {
-    return facet - objects[facet_objects[facet]].first_facet;
-  }
+  std::uint32_t facet_in_object(std::uint32_t facet) const { return facet - objects[facet_objects[facet]].first_facet; }
 };
 
 // Positions are transformed in double and rounded to float once. As glTF asks, a facet that is counter-clockwise in its
@@ -42,8 +40,9 @@ Result<MergedMesh> merge(const Scene& scene, std::span<const std::uint32_t> obje
 
 // Brings merged.objects[k] up to date with the object's place and its mesh's positions in the scene, or with other
 // positions in the mesh's space (skinned, morphed), one for each of its vertices. Nothing else is touched and nothing
-// allocated; facets stay the same, so what was made of the merged mesh can go on with its new positions
-// (Sorter::set_positions). Fault: non_finite_position; the merged mesh then is as it was.
+// allocated. Facets stay the same, but for the corners of one that a new place mirrors, so what was made of the merged
+// mesh can go on with its new positions (Sorter::set_positions). Fault: non_finite_position; the merged mesh then is as
+// it was.
 Status update(MergedMesh& merged, const Scene& scene, std::size_t k);
 Status update(MergedMesh& merged, const Scene& scene, std::size_t k, std::span<const glm::vec3> positions);
 

@@ -43,8 +43,8 @@ bool are_parted(const Slabs& first, const Slabs& second) {
   return false;
 }
 
-// By the planes between two slabs, of which the lower ends at `end` and the higher begins at `begin`: which may be drawn
-// last, because some plane has it on the eye's side. Neither where rounding hides the side.
+// By the planes between two slabs, of which the lower ends at `end` and the higher begins at `begin`: which may be
+// drawn last, because some plane has it on the eye's side. Neither where rounding hides the side.
 struct MayBeLast {
   bool higher, lower;
 };
@@ -60,8 +60,8 @@ std::uint32_t root_of(std::vector<std::uint32_t>& parents, std::uint32_t member)
   return member;
 }
 
-// Strongly connected components (Tarjan, "Depth-first search and linear graph algorithms", 1972), each after all that it
-// leads to. The stack is our own: a chain of objects may be long.
+// Strongly connected components (Tarjan, "Depth-first search and linear graph algorithms", 1972), each after all that
+// it leads to. The stack is our own: a chain of objects may be long.
 class Components {
  public:
   explicit Components(const std::vector<std::vector<std::uint32_t>>& edges)

@@ -19,7 +19,7 @@ enum class Sequence {
   any,           // no ray meets both
   first_before,  // what shows of both is right when the first is drawn before the second
   second_before,
-  interleaved,   // their facets may hide each other either way
+  interleaved,  // their facets may hide each other either way
 };
 
 // Between which planes the corners of some facets lie, across each direction, rounded outwards.
@@ -39,9 +39,9 @@ class ObjectGroups {
   // Call when some changed: finds which objects no plane parts.
   void set_slabs(std::span<const Slabs> slabs);
 
-  // Groups of objects, in the order to draw them; the numbers in each ascend. Objects that no plane parts share a group,
-  // and so do objects that are before each other in a cycle, from the first view on in which they are: the groups soon
-  // are the same from view to view. Valid until the next call.
+  // Groups of objects, in the order to draw them; the numbers in each ascend. Objects that no plane parts share a
+  // group, and so do objects that are before each other in a cycle, from the first view on in which they are: the
+  // groups soon are the same from view to view. Valid until the next call.
   std::span<const std::vector<std::uint32_t>> find(const glm::vec4& eye);
 
  private:

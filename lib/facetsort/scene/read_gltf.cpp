@@ -23,13 +23,22 @@ namespace facetsort::scene_internal {
 namespace {
 
 // What a scene may need and still be read here: what they say is heard, or changes neither shape nor alpha.
-constexpr std::array<std::string_view, 16> known_extensions{
-    "KHR_lights_punctual",       "KHR_materials_anisotropy",   "KHR_materials_clearcoat",
-    "KHR_materials_dispersion",  "KHR_materials_emissive_strength",
-    "KHR_materials_ior",         "KHR_materials_iridescence",  "KHR_materials_sheen",
-    "KHR_materials_specular",    "KHR_materials_transmission", "KHR_materials_unlit",
-    "KHR_materials_variants",    "KHR_materials_volume",       "KHR_mesh_quantization",
-    "KHR_texture_transform",     "KHR_xmp_json_ld"};
+constexpr std::array<std::string_view, 16> known_extensions{"KHR_lights_punctual",
+                                                            "KHR_materials_anisotropy",
+                                                            "KHR_materials_clearcoat",
+                                                            "KHR_materials_dispersion",
+                                                            "KHR_materials_emissive_strength",
+                                                            "KHR_materials_ior",
+                                                            "KHR_materials_iridescence",
+                                                            "KHR_materials_sheen",
+                                                            "KHR_materials_specular",
+                                                            "KHR_materials_transmission",
+                                                            "KHR_materials_unlit",
+                                                            "KHR_materials_variants",
+                                                            "KHR_materials_volume",
+                                                            "KHR_mesh_quantization",
+                                                            "KHR_texture_transform",
+                                                            "KHR_xmp_json_ld"};
 
 // Vertices may be shared by any number of primitives, of which each gets its own.
 constexpr std::size_t most_elements = std::size_t{1} << 28;
@@ -84,13 +93,13 @@ class Reader {
                                           const std::string& place) const;
   void read_attributes(const tinygltf::Primitive& primitive, std::span<const std::uint32_t> vertices,
                        const Accessor& positions, SceneMesh& mesh, const std::string& place) const;
-  std::optional<Accessor> attribute(const tinygltf::Primitive& primitive, const std::string& name,
-                                    std::size_t vertices, const std::string& place) const;
+  std::optional<Accessor> attribute(const tinygltf::Primitive& primitive, const std::string& name, std::size_t vertices,
+                                    const std::string& place) const;
   void add_notes();
 
   const tinygltf::Model model_;
   Scene scene_;
-  std::map<int, std::uint32_t> texture_numbers_;  // of the scene, by that of glTF
+  std::map<int, std::uint32_t> texture_numbers_;         // of the scene, by that of glTF
   std::vector<std::optional<TextureUse>> texture_uses_;  // of each material
   std::optional<std::uint32_t> default_material_;
   std::map<int, std::vector<std::uint32_t>> mesh_numbers_;
@@ -283,18 +292,18 @@ void Reader::read_attributes(const tinygltf::Primitive& primitive, std::span<con
 }
 
 std::optional<SceneMesh> Reader::read_primitive(const tinygltf::Primitive& primitive, const std::string& place) {
-  const bool has_facets = primitive.mode == TINYGLTF_MODE_TRIANGLES ||
-                          primitive.mode == TINYGLTF_MODE_TRIANGLE_STRIP ||
+  const bool has_facets = primitive.mode == TINYGLTF_MODE_TRIANGLES || primitive.mode == TINYGLTF_MODE_TRIANGLE_STRIP ||
                           primitive.mode == TINYGLTF_MODE_TRIANGLE_FAN;
   const auto found = primitive.attributes.find("POSITION");
   if (!has_facets || found == primitive.attributes.end()) return std::nullopt;
   const Accessor positions(model_, found->second, place + " POSITION");
-  if (positions.components() != 3) throw SceneError{Fault::malformed, place + ": positions that have not three numbers"};
+  if (positions.components() != 3)
+    throw SceneError{Fault::malformed, place + ": positions that have not three numbers"};
   std::vector<std::uint32_t> corners = read_corners(primitive, positions.count(), place);
   if (corners.empty()) return std::nullopt;
 
-  // Where many primitives share one list of vertices, each takes those that it uses; else all, so that a vertex's number
-  // is the file's.
+  // Where many primitives share one list of vertices, each takes those that it uses; else all, so that a vertex's
+  // number is the file's.
   constexpr std::size_t shared_by = 4;
   std::vector<std::uint32_t> vertices;
   if (positions.count() > shared_by * corners.size()) {
@@ -302,16 +311,16 @@ std::optional<SceneMesh> Reader::read_primitive(const tinygltf::Primitive& primi
     std::sort(vertices.begin(), vertices.end());
     vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
     for (std::uint32_t& corner : corners) {
-      corner = static_cast<std::uint32_t>(std::lower_bound(vertices.begin(), vertices.end(), corner) -
-                                          vertices.begin());
+      corner =
+          static_cast<std::uint32_t>(std::lower_bound(vertices.begin(), vertices.end(), corner) - vertices.begin());
     }
   } else {
     for (std::uint32_t v = 0; v < positions.count(); ++v) vertices.push_back(v);
   }
   elements_ += vertices.size() + corners.size() / 3;
   if (elements_ > most_elements) {
-    throw SceneError{Fault::too_many_facets, place + ": more than " + std::to_string(most_elements) +
-                                                 " facets and vertices in all"};
+    throw SceneError{Fault::too_many_facets,
+                     place + ": more than " + std::to_string(most_elements) + " facets and vertices in all"};
   }
   SceneMesh mesh;
   mesh.material = material_of(primitive, place);
@@ -324,8 +333,8 @@ std::optional<SceneMesh> Reader::read_primitive(const tinygltf::Primitive& primi
 
 const std::vector<std::uint32_t>& Reader::meshes_of(int mesh, const std::string& place) {
   if (static_cast<std::size_t>(mesh) >= model_.meshes.size()) {
-    throw SceneError{Fault::index_out_of_range, place + " names mesh " + std::to_string(mesh) + " of " +
-                                                    std::to_string(model_.meshes.size())};
+    throw SceneError{Fault::index_out_of_range,
+                     place + " names mesh " + std::to_string(mesh) + " of " + std::to_string(model_.meshes.size())};
   }
   const auto [entry, is_new] = mesh_numbers_.try_emplace(mesh);
   if (!is_new) return entry->second;

@@ -33,8 +33,8 @@ bool is_gltf(const std::filesystem::path& path) {
 
 bool is_scene_file(const std::filesystem::path& path) {
   constexpr std::array<std::string_view, 4> mesh_extensions{".ply", ".obj", ".off", ".stl"};
-  return is_gltf(path) || std::find(mesh_extensions.begin(), mesh_extensions.end(), extension_of(path)) !=
-                              mesh_extensions.end();
+  return is_gltf(path) ||
+         std::find(mesh_extensions.begin(), mesh_extensions.end(), extension_of(path)) != mesh_extensions.end();
 }
 
 Scene scene_of(Mesh mesh, const std::string& name) {

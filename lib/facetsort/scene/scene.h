@@ -25,8 +25,8 @@ struct SceneMesh {
   std::vector<glm::vec3> positions;
   std::vector<glm::uvec3> triangles;
   std::vector<glm::vec4> facet_colours{}, vertex_colours{};  // see MeshView
-  std::vector<glm::vec2> texture_coordinates{};                // of the material's texture; empty, or one a vertex
-  std::uint32_t material = 0;                            // of Scene::materials
+  std::vector<glm::vec2> texture_coordinates{};              // of the material's texture; empty, or one a vertex
+  std::uint32_t material = 0;                                // of Scene::materials
 };
 
 // A mesh at its place in the world.
@@ -58,9 +58,9 @@ struct Scene {
   const SceneMaterial& material_of(std::uint32_t object) const { return materials[mesh_of(object).material]; }
 };
 
-// Checks what all that take a scene count on: every mesh is valid (see validate(MeshView)) and has a material, materials
-// have their textures, objects have their meshes and finite, affine places. The fault names the part that has it. A
-// scene without objects is sound.
+// Checks what all that take a scene count on: every mesh is valid (see validate(MeshView)) and has a material,
+// materials have their textures, objects have their meshes and finite, affine places. The fault names the part that has
+// it. A scene without objects is sound.
 Status validate(const Scene& scene);
 
 // Those whose material is blended, by number: what has to be drawn back to front. Precondition: validate(scene) is ok.

@@ -37,15 +37,15 @@ class Stopwatch {
 struct SceneSorter::State {
   SceneSorterOptions options;
   MergedMesh merged;
-  std::optional<Sorter> sorter;             // by depth keys
-  bool has_new_positions = false;           // that the sorter does not know
+  std::optional<Sorter> sorter;    // by depth keys
+  bool has_new_positions = false;  // that the sorter does not know
   std::unique_ptr<ExactGroups> exact;
   RunGrouper grouper;
   SceneStatistics statistics;
 
-  MergedOrder order;                        // as found
-  std::vector<std::uint32_t> objects;       // of its triangles
-  std::vector<glm::vec3> positions;         // of the merged mesh and the cut vertices, where there are some
+  MergedOrder order;                   // as found
+  std::vector<std::uint32_t> objects;  // of its triangles
+  std::vector<glm::vec3> positions;    // of the merged mesh and the cut vertices, where there are some
   // As drawn.
   std::vector<std::uint32_t> indices, facets;
   std::vector<DrawRun> runs;
@@ -195,8 +195,7 @@ std::size_t SceneSorter::memory_bytes() const {
   const State& s = *state_;
   return bytes_of(s.order.triangles, s.order.facets, s.order.cut_vertices, s.objects, s.positions, s.indices, s.facets,
                   s.runs, s.merged.mesh.positions, s.merged.mesh.triangles, s.merged.facet_objects) +
-         s.grouper.memory_bytes() + (s.sorter ? s.sorter->memory_bytes() : 0) +
-         (s.exact ? s.exact->memory_bytes() : 0);
+         s.grouper.memory_bytes() + (s.sorter ? s.sorter->memory_bytes() : 0) + (s.exact ? s.exact->memory_bytes() : 0);
 }
 
 }  // namespace facetsort

@@ -31,9 +31,9 @@ struct SceneSorterOptions {
 
 // What is to be drawn, back to front. Valid until the next call on the sorter that made it.
 struct SceneOrder {
-  std::span<const std::uint32_t> indices;    // three a triangle: positions of the merged mesh, then cut_vertices
-  std::span<const std::uint32_t> facets;     // of the merged mesh: which each triangle is, or is part of
-  std::span<const CutVertex> cut_vertices;   // their facets are the merged mesh's too
+  std::span<const std::uint32_t> indices;   // three a triangle: positions of the merged mesh, then cut_vertices
+  std::span<const std::uint32_t> facets;    // of the merged mesh: which each triangle is, or is part of
+  std::span<const CutVertex> cut_vertices;  // their facets are the merged mesh's too
   std::span<const DrawRun> runs;
 };
 
@@ -41,24 +41,24 @@ struct SceneOrder {
 struct SceneStatistics {
   std::size_t objects = 0;
   std::size_t facets = 0;
-  std::size_t groups = 0;          // that were sorted apart from each other; 1 by depth keys
-  std::size_t prepared_groups = 0; // of those, new since the last sort
+  std::size_t groups = 0;           // that were sorted apart from each other; 1 by depth keys
+  std::size_t prepared_groups = 0;  // of those, new since the last sort
   std::size_t triangles = 0;
-  std::size_t runs_as_found = 0;   // before triangles of an object were brought together
+  std::size_t runs_as_found = 0;  // before triangles of an object were brought together
   std::size_t runs = 0;
-  double merge_ms = 0;             // once
-  double prepare_ms = 0;           // by depth keys, after updates: new keys; exact: groups that are new
+  double merge_ms = 0;    // once
+  double prepare_ms = 0;  // by depth keys, after updates: new keys; exact: groups that are new
   double sort_ms = 0;
   double group_runs_ms = 0;
 };
 
 // Sorts objects of a scene together for many views. By depth keys nothing is allocated once warm.
 //
-// Exact: objects that none of thirteen directions' planes parts are sorted together, each such group by an ExactSorter of
-// its own; groups are drawn one after the other as planes between objects ask for, and from the first view on in which
-// planes put some into a cycle, those are one group. The order has no fragment after one that it should hide behind, as
-// ExactSorter's. Groups are sorted at the same time where there are threads, and an update prepares only the groups that
-// have the object, or that it brings together.
+// Exact: objects that none of thirteen directions' planes parts are sorted together, each such group by an ExactSorter
+// of its own; groups are drawn one after the other as planes between objects ask for, and from the first view on in
+// which planes put some into a cycle, those are one group. The order has no fragment after one that it should hide
+// behind, as ExactSorter's. Groups are sorted at the same time where there are threads, and an update prepares only the
+// groups that have the object, or that it brings together.
 //
 // One thread at a time; works in parallel in the caller's task arena. Keeps no reference to the scene.
 class SceneSorter {

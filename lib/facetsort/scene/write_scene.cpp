@@ -319,8 +319,8 @@ Status write_scene(const std::filesystem::path& path, const Scene& scene, std::s
   };
   if (scene.objects.empty()) return fault(Fault::empty_mesh, "a scene without objects");
   if (!orders.empty() && orders.size() != scene.objects.size()) {
-    return fault(Fault::bad_argument, std::to_string(orders.size()) + " orders for " +
-                                          std::to_string(scene.objects.size()) + " objects");
+    return fault(Fault::bad_argument,
+                 std::to_string(orders.size()) + " orders for " + std::to_string(scene.objects.size()) + " objects");
   }
   try {
     const tinygltf::Model model = Writer(scene, orders).model();

@@ -1,4 +1,5 @@
-// Every stage once, through the header that includes them all: write and read a tetrahedron, sort, draw and judge it.
+// Every stage once, through the header that includes them all: write and read a tetrahedron, sort, draw and judge it,
+// alone and as a scene.
 #include <array>
 #include <cstdio>
 #include <glm/glm.hpp>
@@ -33,6 +34,18 @@ int main() {
   if (!hits.ok()) return 1;
   const Verdict verdict = judge_drawing(hits.value().lists, renderer.ranks(view, hits.value().lists), {});
   if (verdict.covered_pixels == 0 || verdict.inverted_pixels != 0) return 1;
+
+  const Result<Scene> scene = read_scene("tetrahedron.ply");
+  if (!scene.ok()) return 1;
+  Result<SceneSorter> sorter = SceneSorter::create(scene.value(), blended_objects(scene.value()));
+  if (!sorter.ok()) return 1;
+  const SceneOrder order = sorter.value().sort({view.homogeneous_eye(), view.forward()});
+  if (order.runs.size() != 1 || order.indices.size() != 12) return 1;
+  if (!write_scene("tetrahedron.glb", scene.value(),
+                   object_orders(scene.value(), sorter.value().merged(), order.facets))
+           .ok()) {
+    return 1;
+  }
   if (!write_csv("comparison.csv", {}).ok()) return 1;
   std::puts("sorted, drawn and judged");
   return 0;
