@@ -74,7 +74,7 @@ std::optional<OrderIndependent> order_independent(StrategyKind kind) {
 // Of facets that are not blended.
 constexpr DrawPass opaque_pass{.depth_test = DepthTest::less, .depth_write = true};
 
-// Facets before the first that is not blended.
+// Facets before the first that is not blended; all, where one after that is.
 std::size_t count_blended(const MeshView& mesh) {
   const auto is_blended = [&](std::uint32_t material) {
     return mesh.materials[material].alpha_mode == AlphaMode::blend;
@@ -82,7 +82,7 @@ std::size_t count_blended(const MeshView& mesh) {
   const std::span<const std::uint32_t> materials = mesh.facet_materials;
   if (materials.empty()) return mesh.facet_count();
   const auto end = std::find_if_not(materials.begin(), materials.end(), is_blended);
-  assert(std::none_of(end, materials.end(), is_blended));
+  if (std::any_of(end, materials.end(), is_blended)) return mesh.facet_count();
   return static_cast<std::size_t>(end - materials.begin());
 }
 

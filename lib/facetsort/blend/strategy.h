@@ -79,8 +79,8 @@ struct PresortedInput {
   const IndexBuffers* buffers = nullptr;  // for presorted_buffers
 };
 
-// The facets before the first whose material is not blended: those that strategies of a fixed number of passes order.
-// Precondition: none after that is blended.
+// The facets before the first whose material is not blended, which strategies of a fixed number of passes order; all
+// facets, where some after that are blended.
 MeshView blended_facets(const MeshView& mesh);
 
 // The scene that a mesh was merged of. It and the array must outlive who takes it.
@@ -93,10 +93,10 @@ struct SceneInput {
 // order() and draw(). Keeps its scratch. One thread at a time; parallel in the caller's task arena.
 class StrategyRenderer {
  public:
-  // The mesh's arrays must outlive it. Where some of its facets are not blended (AlphaMode), strategies of a fixed number
-  // of passes first draw those, with depth, and then order and draw the others, tested against that depth; the rest take
-  // them for blended ones of alpha 1. Preconditions: blended facets come before all others; presorted_buffers gets
-  // buffers of this mesh, with directions; draw_order gets the scene that this mesh was merged of.
+  // The mesh's arrays must outlive it. Where facets that are not blended (AlphaMode) follow all that are, strategies of a
+  // fixed number of passes first draw those, with depth, and then order and draw the others, tested against that depth;
+  // otherwise, as by the other strategies, they are taken for blended ones of alpha 1. Preconditions: presorted_buffers
+  // gets buffers of blended_facets(mesh), with directions; draw_order gets the scene that this mesh was merged of.
   StrategyRenderer(const MeshView& mesh, const Strategy& strategy, const PresortedInput& presorted = {},
                    const SceneInput& scene = {});
   StrategyRenderer(StrategyRenderer&&) noexcept;
