@@ -16,10 +16,17 @@ PlannedRenderer::PlannedRenderer(const MeshView& mesh, const PlanOptions& option
   culling_.emplace(mesh, Strategy{.kind = StrategyKind::separate_culling_pass});
 }
 
+bool PlannedRenderer::still_holds(const Ordered& now) const {
+  if (!last_ || last_->eye != now.eye) return false;
+  const Strategy& strategy = renderer().strategy();
+  const bool uses_axis = strategy.kind == StrategyKind::facet_sort && !is_exact(strategy.method);
+  return !uses_axis || last_->forward == now.forward;
+}
+
 void PlannedRenderer::order(const View& view) {
   const Ordered now{view.homogeneous_eye(), view.forward()};
   ++statistics_.frames;
-  if (last_ == now) {
+  if (still_holds(now)) {
     ++statistics_.kept;
     return;
   }

@@ -12,8 +12,8 @@ namespace facetsort {
 
 struct PlannedStatistics {
   std::size_t frames = 0;   // ordered
-  std::size_t kept = 0;     // of those, with the last one's order: the same eye and camera axis
-  std::size_t unsorted = 0; // of those, in which nothing had to be sorted
+  std::size_t kept = 0;      // of those, with the last one's order: of the same eye and, by depth keys, the same axis
+  std::size_t unsorted = 0;  // of those, in which nothing had to be sorted
 };
 
 // Use as StrategyRenderer: order(), then renderer().draw() with the same view. One thread at a time.
@@ -36,8 +36,9 @@ class PlannedRenderer {
   struct Ordered {
     glm::vec4 eye;
     glm::vec3 forward;
-    bool operator==(const Ordered&) const = default;
   };
+
+  bool still_holds(const Ordered& now) const;
 
   MeshPlan plan_;
   ConvexParts parts_;
