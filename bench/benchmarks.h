@@ -31,6 +31,7 @@ void register_fragment_benchmarks();
 void register_index_buffers_benchmarks();
 // scene_50_knots/side_SIDE/METHOD: 50 knots of 10,000 facets, scattered over a cube, sorted together; _as_found: without
 // bringing the triangles of an object together.
+// plan_50_opaque_knots: the plan of such a scene in which nothing is blended.
 void register_scene_benchmarks();
 
 }  // namespace facetsort::bench

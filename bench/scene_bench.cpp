@@ -1,9 +1,13 @@
 #include <benchmark/benchmark.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
+#include <array>
+#include <chrono>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <numeric>
 #include <random>
 #include <string>
@@ -15,6 +19,7 @@
 #include "facetsort/blend/view.h"
 #include "facetsort/check/verdict.h"
 #include "facetsort/order/method.h"
+#include "facetsort/plan/plan.h"
 #include "facetsort/scene/scene_sorter.h"
 #include "shapes.h"
 #include "thread_counts.h"
@@ -27,9 +32,10 @@ constexpr std::size_t facets_of_knot = 10000;
 constexpr int picture_size = 512;  // of the check
 
 // Knots of radius 1 in a cube of `side`, turned any way: the smaller the cube, the more of them overlap.
-Scene scattered_knots(double side) {
+Scene scattered_knots(double side, AlphaMode mode = AlphaMode::blend) {
   Scene scene;
-  scene.materials.push_back({.name = "glass", .material = {.base_colour = glm::vec4(1, 1, 1, 0.5f)}});
+  scene.materials.push_back(
+      {.name = "glass", .material = {.base_colour = glm::vec4(1, 1, 1, 0.5f), .alpha_mode = mode}});
   Mesh knot = shapes::torus_knot(facets_of_knot);
   scene.meshes.push_back(
       {.name = "knot", .positions = std::move(knot.positions), .triangles = std::move(knot.triangles)});
@@ -110,9 +116,44 @@ void sort_scene(benchmark::State& state, double side, const SceneSorterOptions& 
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(knots * facets_of_knot));
 }
 
+double median_ms(const std::function<void()>& run) {
+  using Clock = std::chrono::steady_clock;
+  std::array<double, 5> samples;
+  for (double& sample : samples) {
+    const Clock::time_point begin = Clock::now();
+    run();
+    sample = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+  }
+  std::sort(samples.begin(), samples.end());
+  return samples[samples.size() / 2];
+}
+
+// The plan of a scene in which nothing needs sorting, beside one frame of what it spares: the sort by depth keys, the
+// cheapest there is, of the same facets.
+void plan_opaque_scene(benchmark::State& state, int threads) {
+  const Scene scene = scattered_knots(12, AlphaMode::opaque);
+  std::vector<std::uint32_t> objects(scene.objects.size());
+  std::iota(objects.begin(), objects.end(), 0u);
+  tbb::task_arena arena(threads);
+  arena.execute([&] {
+    Result<SceneSorter> sorter = SceneSorter::create(scene, objects, {.method = Method::centroid_distance});
+    if (!sorter.ok()) return state.SkipWithError(sorter.status().message.c_str());
+    float turn = 0;
+    const double sort_ms = median_ms([&] { sorter.value().sort({glm::vec4(40, turn += 1, 40, 1), glm::vec3(0, 0, -1)}); });
+    for (auto _ : state) {
+      const Result<Plan> plan = plan_scene(scene);
+      if (!plan.ok() || plan.value().blended_objects != 0) return state.SkipWithError("the plan sorts");
+    }
+    const double plan_ms = median_ms([&] { benchmark::DoNotOptimize(plan_scene(scene)); });
+    state.counters["sort_ms"] = sort_ms;
+    state.counters["share_of_sort"] = plan_ms / sort_ms;
+  });
+}
+
 }  // namespace
 
 void register_scene_benchmarks() {
+  register_per_thread_count("plan_50_opaque_knots", plan_opaque_scene);
   for (const double side : {6.0, 12.0}) {
     for (const Method method : {Method::centroid_distance, Method::exact}) {
       for (const bool group_runs : {false, true}) {

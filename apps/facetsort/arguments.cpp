@@ -165,6 +165,21 @@ CLI::Option* add_error_option(CLI::App& command, std::optional<double>& max_erro
       ->type_name("E");
 }
 
+CLI::Option* add_budget_option(CLI::App& command, double& budget) {
+  const auto parse = [&budget](const std::string& text) {
+    const std::optional<double> number = parse_number<double>(text);
+    if (!number || !(*number >= 0 && *number <= 1)) {
+      throw CLI::ValidationError("--budget", "'" + text + "' is not a number from 0 to 1");
+    }
+    budget = *number;
+  };
+  return command
+      .add_option_function<std::string>("--budget", parse,
+                                        "Share of a view's pixels that may be wrong: 0.001 for 0.1 %")
+      ->type_name("E")
+      ->default_str("0");
+}
+
 std::string strategy_names() {
   std::string names;
   for (const Strategy& strategy : all_strategies()) names += (names.empty() ? "" : ", ") + strategy.name();

@@ -31,6 +31,8 @@ CLI::Option* add_count_option(CLI::App& command, const std::string& name, int& c
 CLI::Option* add_radii_option(CLI::App& command, float& radii);
 // A share of pixels, from 0 to 1.
 CLI::Option* add_error_option(CLI::App& command, std::optional<double>& max_error);
+// The same.
+CLI::Option* add_budget_option(CLI::App& command, double& budget);
 // A finite number of at least 1.
 CLI::Option* add_growth_option(CLI::App& command, std::optional<double>& max_growth);
 

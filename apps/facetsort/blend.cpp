@@ -32,12 +32,12 @@ ExitStatus run_blend(const BlendOptions& options, const CommonOptions& common) {
   const View view = make_view(options.view, input.bounds);
 
   PreparedStrategy prepared;
-  prepared.prepare(input, options.strategy);
-  StrategyRenderer& renderer = prepared.renderer();
+  prepared.prepare(input, options.strategy, view);
   Image image;
-  renderer.order(view);
+  prepared.order(view);
+  StrategyRenderer& renderer = prepared.renderer();
   const DrawStatistics statistics = renderer.draw(view, options.format, image);
-  const Timing order = time_median([&] { renderer.order(view); }, timed_frames);
+  const Timing order = time_median([&] { prepared.order(view); }, timed_frames);
   const Timing blend = time_median([&] { renderer.draw(view, options.format, image); }, timed_frames);
   require(write_image(options.output, image));
 

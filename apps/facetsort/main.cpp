@@ -66,7 +66,7 @@ ExitStatus run(int argc, char** argv) {
   const std::vector<Verb> verbs = {add_inspect(program, common),  add_order(program, common),
                                    add_presort(program, common),  add_blend(program, common),
                                    add_check(program, common),    add_compare(program, common),
-                                   add_stability(program, common)};
+                                   add_plan(program, common),     add_stability(program, common)};
   for (const Verb& verb : verbs) add_common_options(*verb.command, common);
 
   try {

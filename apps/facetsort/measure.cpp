@@ -28,20 +28,21 @@ Image blank_picture(const View& view, PixelFormat format) {
 }
 
 // Order, picture and cost; the picture goes to `picture`.
-void measure_cost(StrategyRenderer& renderer, const RefereedView& refereed, std::size_t repeats, Row& row,
+void measure_cost(PreparedStrategy& prepared, const RefereedView& refereed, std::size_t repeats, Row& row,
                   Image& picture) {
   const View& view = refereed.view;
   picture = blank_picture(view, refereed.format);  // its memory is not the strategy's
   Timing first_order;
   {
     const AllocationScope allocations;
-    first_order = time_median([&] { renderer.order(view); }, 1);
-    row.facets_drawn = renderer.draw(view, refereed.format, picture).facets_drawn;
+    first_order = time_median([&] { prepared.order(view); }, 1);
+    row.facets_drawn = prepared.renderer().draw(view, refereed.format, picture).facets_drawn;
     row.peak_bytes = allocations.count().peak_bytes;
   }
   // What takes so long that the first allocations do not show in it is not done again.
   const bool is_slow = first_order.median_ms > 1000 * most_repeating_seconds;
-  row.order = is_slow ? first_order : time_median([&] { renderer.order(view); }, repeats);
+  row.order = is_slow ? first_order : time_median([&] { prepared.order(view); }, repeats);
+  StrategyRenderer& renderer = prepared.renderer();
   row.blend = time_median([&] { renderer.draw(view, refereed.format, picture); }, repeats);
   row.passes = renderer.passes();
   row.bytes_per_pixel = renderer.bytes_per_pixel();
@@ -134,10 +135,10 @@ MeasuredStrategy measure_strategy(const InputMesh& input, const Strategy& strate
   row.strategy = strategy.name();
   if (strategy.kind == StrategyKind::facet_sort) row.method = method_name(strategy.method);
 
-  if (!prepared.is_ready()) prepared.prepare(input, strategy);
-  StrategyRenderer& renderer = prepared.renderer();
+  if (!prepared.is_ready()) prepared.prepare(input, strategy, refereed.view);
   row.prepare_ms = prepared.prepare_ms();
-  measure_cost(renderer, refereed, repeats, row, measured.picture);
+  measure_cost(prepared, refereed, repeats, row, measured.picture);
+  StrategyRenderer& renderer = prepared.renderer();
   judge(input, measured.picture, refereed, row);
   judge_draw_order(input, renderer, refereed, row);
   row.miscovered_pixels = count_miscovered(renderer, refereed);

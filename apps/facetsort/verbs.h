@@ -28,6 +28,7 @@ Verb add_presort(CLI::App& program, const CommonOptions& common);
 Verb add_blend(CLI::App& program, const CommonOptions& common);
 Verb add_check(CLI::App& program, const CommonOptions& common);
 Verb add_compare(CLI::App& program, const CommonOptions& common);
+Verb add_plan(CLI::App& program, const CommonOptions& common);
 Verb add_stability(CLI::App& program, const CommonOptions& common);
 
 }  // namespace facetsort

@@ -1,6 +1,6 @@
 # The components in pipeline order, what each links of the others, and the packages that whoever links it must find.
 # Read by the build and, installed, by find_package(facetsort COMPONENTS ...).
-set(facetsort_components base mesh facets order mesh_io exact scene scene_io blend check presort report)
+set(facetsort_components base mesh facets order mesh_io exact scene scene_io blend check presort plan report)
 set(facetsort_base_packages TBB)
 set(facetsort_mesh_needs base)
 set(facetsort_mesh_packages glm)
@@ -20,6 +20,7 @@ set(facetsort_check_needs blend)
 set(facetsort_check_packages embree)
 set(facetsort_presort_needs check)
 set(facetsort_presort_packages TinyGLTF)
+set(facetsort_plan_needs presort)
 set(facetsort_report_needs check)
 
 # facetsort_with_needs(RESULT COMPONENT...): the components named and all that they need, in pipeline order.

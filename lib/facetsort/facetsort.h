@@ -1,4 +1,5 @@
-// The public headers, in pipeline order: mesh, facets, order, exact decisions, scene, blend, check, presort, report.
+// The public headers, in pipeline order: mesh, facets, order, exact decisions, scene, blend, check, presort, plan,
+// report.
 #pragma once
 
 // clang-format off: sorting would lose the pipeline order.
@@ -62,6 +63,10 @@
 
 #include "facetsort/presort/index_buffers.h"
 #include "facetsort/presort/write_gltf.h"
+
+#include "facetsort/plan/convex_parts.h"
+#include "facetsort/plan/plan.h"
+#include "facetsort/plan/planned_renderer.h"
 
 #include "facetsort/report/row.h"
 #include "facetsort/report/timing.h"

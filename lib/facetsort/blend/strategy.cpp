@@ -44,6 +44,7 @@ std::vector<DrawPass> draw_passes(StrategyKind kind) {
     case StrategyKind::moment_based:
     case StrategyKind::multi_layer:
     case StrategyKind::stochastic:
+    case StrategyKind::automatic:
     case StrategyKind::reference:
       break;
   }
@@ -228,6 +229,7 @@ struct StrategyRenderer::State {
 StrategyRenderer::StrategyRenderer(const MeshView& mesh, const Strategy& strategy, const PresortedInput& presorted,
                                    const SceneInput& scene)
     : state_(std::make_unique<State>()) {
+  assert(strategy.kind != StrategyKind::automatic);
   state_->mesh = mesh;
   state_->strategy = strategy;
   state_->passes = draw_passes(strategy.kind);

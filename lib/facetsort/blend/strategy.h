@@ -44,6 +44,7 @@ enum class StrategyKind {
                           // compared with all the same, to say how far from it
   premultiplied_over,     // index order: the picture of `unsorted`, under the name of what it trusts in, that alphas are
                           // so small that no order is needed (see order_error_bound())
+  automatic,              // whichever a plan finds best (PlannedRenderer in plan/ draws it, StrategyRenderer does not)
   reference,              // every fragment of a pixel blended by its own depth
 };
 
@@ -54,6 +55,7 @@ struct Strategy {
   // Of presorted_buffers: how many; depth peeling: most passes that peel, 0 for as many as it takes; moment_based:
   // moments; multi_layer: layers a pixel; stochastic: samples a pixel.
   std::size_t number = 0;
+  double error_budget = 0;  // of automatic: most of a view's pixels that may be wrong, as a share (see PlanOptions)
 
   static constexpr std::size_t most_buffers = 1000, most_passes = 1000;
 
@@ -62,11 +64,11 @@ struct Strategy {
   bool draws_in_order() const;
   // Whether some fragments are left out on purpose, so that coverage can't be counted.
   bool discards_fragments() const;
-  // "unsorted", "facet_sort:centroid_distance", "draw_order:three", "presorted_buffers:10", "depth_peeling", "depth_peeling:5", ...
+  // "unsorted", "facet_sort:centroid_distance", "draw_order:three", "presorted_buffers:10", "depth_peeling", "depth_peeling:5", "auto:0.001", ...
   std::string name() const;
 };
 
-// Every strategy that needs no number and no scene, in the order in which reports show them; `reference` last.
+// Every strategy that needs no number, no scene and no plan, in the order in which reports show them; `reference` last.
 std::vector<Strategy> all_strategies();
 // What the names of the others look like: "multi_layer:1..64", "moment_based:4|6", ...
 std::vector<std::string> numbered_strategy_names();
@@ -96,7 +98,8 @@ class StrategyRenderer {
   // The mesh's arrays must outlive it. Where facets that are not blended (AlphaMode) follow all that are, strategies of a
   // fixed number of passes first draw those, with depth, and then order and draw the others, tested against that depth;
   // otherwise, as by the other strategies, they are taken for blended ones of alpha 1. Preconditions: presorted_buffers
-  // gets buffers of blended_facets(mesh), with directions; draw_order gets the scene that this mesh was merged of.
+  // gets buffers of blended_facets(mesh), with directions; draw_order gets the scene that this mesh was merged of; the
+  // strategy is not automatic.
   StrategyRenderer(const MeshView& mesh, const Strategy& strategy, const PresortedInput& presorted = {},
                    const SceneInput& scene = {});
   StrategyRenderer(StrategyRenderer&&) noexcept;

@@ -8,7 +8,7 @@
 namespace facetsort {
 namespace {
 
-enum class Detail { none, method, rule, number, number_if_any };
+enum class Detail { none, method, rule, number, number_if_any, budget_if_any };
 
 struct NamedKind {
   StrategyKind kind;
@@ -35,6 +35,7 @@ constexpr NamedKind kinds[] = {
     {StrategyKind::moment_based, "moment_based", Detail::number, 4, 6, 2},
     {StrategyKind::multi_layer, "multi_layer", Detail::number, 1, most_kept_layers},
     {StrategyKind::stochastic, "stochastic", Detail::number, 1, most_depth_samples},
+    {StrategyKind::automatic, "auto", Detail::budget_if_any},
     {StrategyKind::reference, "reference"},
 };
 
@@ -46,6 +47,20 @@ std::optional<std::size_t> number_from_text(const NamedKind& kind, std::string_v
   const bool is_number = error == std::errc() && end == text.data() + text.size();
   const bool is_one_of_them = number >= kind.least && number <= kind.most && (number - kind.least) % kind.step == 0;
   return is_number && is_one_of_them ? std::optional(number) : std::nullopt;
+}
+
+// A share: from 0 to 1.
+std::optional<double> budget_from_text(std::string_view text) {
+  double budget = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), budget);
+  const bool is_number = error == std::errc() && end == text.data() + text.size();
+  return is_number && budget >= 0 && budget <= 1 ? std::optional(budget) : std::nullopt;
+}
+
+// The shortest text that is this number.
+std::string text_of(double number) {
+  char text[32];
+  return {text, std::to_chars(std::begin(text), std::end(text), number).ptr};
 }
 
 }  // namespace
@@ -68,6 +83,8 @@ std::string Strategy::name() const {
     const bool has_number = named.detail == Detail::number || (named.detail == Detail::number_if_any && number > 0);
     if (named.detail == Detail::method) text.append(separator).append(method_name(method));
     if (named.detail == Detail::rule) text.append(separator).append(draw_order_rule_name(rule));
+    const bool has_budget = named.detail == Detail::budget_if_any && error_budget > 0;
+    if (has_budget) text.append(separator).append(text_of(error_budget));
     if (has_number) text.append(separator).append(std::to_string(number));
     return text;
   }
@@ -79,7 +96,7 @@ std::vector<Strategy> all_strategies() {
   for (const NamedKind& named : kinds) {
     if (named.detail == Detail::method) {
       for (const Method method : all_methods()) strategies.push_back({named.kind, method});
-    } else if (named.detail != Detail::number && named.detail != Detail::rule) {
+    } else if (named.detail != Detail::number && named.detail != Detail::rule && named.detail != Detail::budget_if_any) {
       strategies.push_back({.kind = named.kind});
     }
   }
@@ -89,6 +106,10 @@ std::vector<Strategy> all_strategies() {
 std::vector<std::string> numbered_strategy_names() {
   std::vector<std::string> names;
   for (const NamedKind& named : kinds) {
+    if (named.detail == Detail::budget_if_any) {
+      names.emplace_back(named.name);
+      names.push_back(std::string(named.name).append(separator).append("0..1"));
+    }
     if (named.detail != Detail::number && named.detail != Detail::number_if_any) continue;
     const std::string_view between = named.least + named.step == named.most ? "|" : "..";
     names.push_back(std::string(named.name).append(separator).append(std::to_string(named.least)));
@@ -115,6 +136,10 @@ std::optional<Strategy> strategy_from_name(std::string_view name) {
   if (named->detail == Detail::rule) {
     const std::optional<DrawOrderRule> rule = draw_order_rule_from_name(detail);
     return rule ? std::optional(Strategy{.kind = named->kind, .rule = *rule}) : std::nullopt;
+  }
+  if (named->detail == Detail::budget_if_any) {
+    const std::optional<double> budget = budget_from_text(detail);
+    return budget ? std::optional(Strategy{.kind = named->kind, .error_budget = *budget}) : std::nullopt;
   }
   const std::optional<std::size_t> number = number_from_text(*named, detail);
   return number ? std::optional(Strategy{.kind = named->kind, .number = *number}) : std::nullopt;

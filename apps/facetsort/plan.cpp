@@ -1,0 +1,168 @@
+// facetsort plan: what a mesh or scene needs for a right picture, and what it can do without.
+#include "facetsort/plan/plan.h"
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "arguments.h"
+#include "facetsort/report/number_text.h"
+#include "input_mesh.h"
+#include "output.h"
+#include "verbs.h"
+
+namespace facetsort {
+namespace {
+
+constexpr int most_views = 1000, most_frames = 1'000'000'000;
+
+struct PlanVerbOptions {
+  std::vector<std::string> meshes;
+  double error_budget = 0;
+  int frames = static_cast<int>(PlanOptions{}.frames);
+  int views = PlanOptions{}.views;
+  float radii = PlanOptions{}.radii;
+  PictureSize size{PlanOptions{}.width, PlanOptions{}.height};
+};
+
+struct PlannedInput {
+  std::string path;
+  bool is_scene = false;
+  Plan plan;
+};
+
+PlannedInput plan_file(const std::string& path, const PlanVerbOptions& options) {
+  const PlanOptions plan_options{.error_budget = options.error_budget,
+                                 .frames = static_cast<std::size_t>(options.frames),
+                                 .views = options.views,
+                                 .radii = options.radii,
+                                 .width = options.size.width,
+                                 .height = options.size.height};
+  const InputMesh input = read_input_scene(path);
+  PlannedInput planned{path, input.scene.has_value(), {}};
+  if (input.scene) {
+    planned.plan = require(plan_scene(*input.scene, plan_options));
+  } else {
+    planned.plan.whole = plan_mesh(input.mesh.view(), plan_options, input.presorted_input());
+    planned.plan.plan_ms = planned.plan.whole.plan_ms;
+  }
+  return planned;
+}
+
+std::string certainty_name(Certainty certainty) {
+  return certainty == Certainty::proved ? "proved" : "measured";
+}
+
+Json mesh_json(const MeshPlan& plan) {
+  Json left_out = Json::array(), timed = Json::array();
+  for (const LeftOut& left : plan.left_out) left_out.push_back({{"what", left.what}, {"why", left.why}});
+  for (const TimedStrategy& strategy : plan.timed) {
+    timed.push_back({{"strategy", strategy.strategy.name()},
+                     {"certainty", certainty_name(strategy.certainty)},
+                     {"frame_ms", strategy.frame_ms},
+                     {"prepare_ms", strategy.prepare_ms},
+                     {"worst_wrong_rate", strategy.worst_wrong}});
+  }
+  Json json{{"name", plan.name},
+            {"facets", plan.facets},
+            {"strategy", plan.strategy.name()},
+            {"certainty", certainty_name(plan.certainty)},
+            {"reason", plan.reason},
+            {"culls_where_apart", plan.culls_where_apart},
+            {"alphas", {plan.lowest_alpha, plan.highest_alpha}},
+            {"layers_that_matter", plan.layers_that_matter ? Json(*plan.layers_that_matter) : Json(nullptr)},
+            {"left_out", left_out},
+            {"timed", timed},
+            {"plan_ms", plan.plan_ms}};
+  if (plan.geometry) {
+    json["intersecting_pairs"] = plan.geometry->intersecting_pairs;
+    json["convex_closed_components"] = plan.geometry->convex_closed_components;
+  }
+  return json;
+}
+
+Json input_json(const PlannedInput& input) {
+  Json json{{"mesh", input.path}, {"plan", mesh_json(input.plan.whole)}, {"plan_ms", input.plan.plan_ms}};
+  if (!input.is_scene) return json;
+  json["blended_objects"] = input.plan.blended_objects;
+  json["most_overlapping_objects"] = input.plan.most_overlapping;
+  json["objects"] = Json::array();
+  for (const MeshPlan& object : input.plan.objects) json["objects"].push_back(mesh_json(object));
+  return json;
+}
+
+std::string needs_text(const MeshPlan& plan) {
+  return plan.strategy.name() + ", " + certainty_name(plan.certainty) + ": " + plan.reason;
+}
+
+void print_input(const PlannedInput& input) {
+  const MeshPlan& whole = input.plan.whole;
+  Facts facts{{input.is_scene ? "scene" : "mesh", input.path}};
+  facts.emplace_back("blended", count_text(whole.facets) + " facets, alphas from " +
+                                    number_text(static_cast<double>(whole.lowest_alpha)) + " to " +
+                                    number_text(static_cast<double>(whole.highest_alpha)));
+  facts.emplace_back("needs", needs_text(whole));
+  if (whole.culls_where_apart) {
+    facts.emplace_back("", "separate_culling_pass, proved: from eyes that see its convex parts side by side");
+  }
+  for (const LeftOut& left : whole.left_out) facts.emplace_back("left out", left.what + ": " + left.why);
+  if (whole.layers_that_matter) {
+    facts.emplace_back("layers that show", "the nearest " + count_text(*whole.layers_that_matter));
+  }
+  if (input.is_scene) {
+    facts.emplace_back("objects", count_text(input.plan.objects.size()) + ", " +
+                                      count_text(input.plan.blended_objects) + " of them blended, at most " +
+                                      count_text(input.plan.most_overlapping) + " in a group that may overlap on the screen");
+    for (const MeshPlan& object : input.plan.objects) {
+      facts.emplace_back("  " + printable(object.name), needs_text(object));
+    }
+  }
+  facts.emplace_back("planned in", milliseconds_text(input.plan.plan_ms) + " ms");
+  print_facts(facts);
+  print_text("\n");
+}
+
+ExitStatus run_plan(const PlanVerbOptions& options, const CommonOptions& common) {
+  std::vector<PlannedInput> inputs;
+  for (const std::string& path : options.meshes) inputs.push_back(plan_file(path, options));
+  if (common.json) {
+    Json list = Json::array();
+    for (const PlannedInput& input : inputs) list.push_back(input_json(input));
+    print_json({{"error_budget", options.error_budget},
+                {"frames", options.frames},
+                {"views", options.views},
+                {"size", {options.size.width, options.size.height}},
+                {"meshes", list}});
+    return ExitStatus::done;
+  }
+  for (const PlannedInput& input : inputs) print_input(input);
+  print_text("Times and measured shares: " + std::to_string(options.views) + " views of " +
+             std::to_string(options.size.width) + "x" + std::to_string(options.size.height) + " pixels at " +
+             number_text(static_cast<double>(options.radii)) + " bounding radii.\n");
+  return ExitStatus::done;
+}
+
+}  // namespace
+
+Verb add_plan(CLI::App& program, const CommonOptions& common) {
+  const auto options = std::make_shared<PlanVerbOptions>();
+  CLI::App* command = program.add_subcommand(
+      "plan", "What a mesh or scene needs for a right picture, why, how sure that is, and what can be left out");
+  command
+      ->add_option("MESH", options->meshes,
+                   "PLY, OBJ, OFF, STL or presorted .fsort files; or scenes: glTF files, or folders")
+      ->required()
+      ->type_name("");
+  add_budget_option(*command, options->error_budget);
+  add_count_option(*command, "--frames", options->frames, most_frames,
+                   "Frames to be drawn: what is made once has to save more than it takes");
+  add_count_option(*command, "--views", options->views, most_views, "Views in which strategies are timed and measured");
+  add_size_option(*command, options->size, "Pixels of each");
+  add_radii_option(*command, options->radii);
+  command->footer("Example: facetsort plan meshes/hand_2k.ply --budget 0.001 --size 512");
+  return {command, [options, &common] { return run_plan(*options, common); }};
+}
+
+}  // namespace facetsort

@@ -1,0 +1,40 @@
+#include "facetsort/plan/planned_renderer.h"
+
+#include <utility>
+
+#include "facetsort/plan/planned_mesh.h"
+
+namespace facetsort {
+
+PlannedRenderer::PlannedRenderer(const MeshView& mesh, const PlanOptions& options, const PresortedInput& presorted) {
+  plan_internal::PlannedMesh planned = plan_internal::make_plan(mesh, options, presorted, true);
+  plan_ = std::move(planned.plan);
+  planned_ = std::move(planned.renderer);
+  if (!planned_) planned_.emplace(mesh, plan_.strategy, presorted);
+  if (!plan_.culls_where_apart) return;
+  parts_ = std::move(planned.parts);
+  culling_.emplace(mesh, Strategy{.kind = StrategyKind::separate_culling_pass});
+}
+
+bool PlannedRenderer::still_holds(const Ordered& now) const {
+  if (!last_ || last_->eye != now.eye) return false;
+  const Strategy& strategy = renderer().strategy();
+  const bool uses_axis = strategy.kind == StrategyKind::facet_sort && !is_exact(strategy.method);
+  return !uses_axis || last_->forward == now.forward;
+}
+
+void PlannedRenderer::order(const View& view) {
+  const Ordered now{view.homogeneous_eye(), view.forward()};
+  ++statistics_.frames;
+  if (still_holds(now)) {
+    ++statistics_.kept;
+    return;
+  }
+  uses_culling_ = culling_ && parts_.are_apart_from(now.eye);
+  renderer().order(view);
+  const StrategyKind kind = renderer().strategy().kind;
+  statistics_.unsorted += kind != StrategyKind::facet_sort && kind != StrategyKind::presorted_buffers;
+  last_ = now;
+}
+
+}  // namespace facetsort
