@@ -107,7 +107,8 @@ TEST(Auto, IsComparedAsAnyStrategy) {
                    "--repeats", "1", "--out", (folder.path() / "report").string(), "--json"});
   ASSERT_EQ(finished.status, 0) << finished.error;
   std::size_t seen = 0;
-  for (const Json& row : Json::parse(finished.output).at("rows")) {
+  const Json report = Json::parse(finished.output);
+  for (const Json& row : report.at("rows")) {
     if (row.at("strategy") == "auto") {
       EXPECT_EQ(row.at("wrong_pixels"), 0);
     }
