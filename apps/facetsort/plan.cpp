@@ -114,7 +114,8 @@ void print_input(const PlannedInput& input) {
   if (input.is_scene) {
     facts.emplace_back("objects", count_text(input.plan.objects.size()) + ", " +
                                       count_text(input.plan.blended_objects) + " of them blended, at most " +
-                                      count_text(input.plan.most_overlapping) + " in a group that may overlap on the screen");
+                                      count_text(input.plan.most_overlapping) +
+                                      " in a group that may overlap on the screen");
     for (const MeshPlan& object : input.plan.objects) {
       facts.emplace_back("  " + printable(object.name), needs_text(object));
     }

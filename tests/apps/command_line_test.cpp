@@ -36,6 +36,7 @@ TEST_F(CommandLine, HelpTellsEveryVerbWithAWorkedExampleAndDefaults) {
       {"blend", {"--up X,Y,Z=0,1,0", "--fov DEGREES=45", "[perspective]", "--size N|WxH=512", "--format F=rgba32f"}},
       {"check", {"[1e-4 bounding radii]", "--size N|WxH=512"}},
       {"compare", {"--views N=4", "--radii D=2.5", "--repeats N=5", "--format F=rgba32f", "[all]"}},
+      {"plan", {"--budget E=0", "--frames N=10000", "--views N=4", "--size N|WxH=256", "--radii D=2.5"}},
       {"stability", {"in [16 - 4096]=192"}}};
   const Finished program = run_program({"--help"});
   EXPECT_EQ(program.status, 0);
@@ -70,7 +71,7 @@ TEST_F(CommandLine, TellsBadUsageInOneLine) {
     Arguments arguments;
     const char* said;
   } cases[] = {
-      {{}, "inspect, order, presort, blend, check, compare, stability"},
+      {{}, "inspect, order, presort, blend, check, compare, plan, stability"},
       {{"frobnicate"}, "frobnicate"},
       {order, "--eye"},
       {with(order, {"--eye", "1,2"}), "--eye: '1,2'"},

@@ -56,7 +56,8 @@ TEST(Strategy, NamesAreDistinctAndKnown) {
   }
   EXPECT_EQ(numbered_strategy_names(),
             (std::vector<std::string>{"presorted_buffers:1..1000", "depth_peeling:1..1000", "dual_depth_peeling:1..1000",
-                                      "moment_based:4|6", "multi_layer:1..64", "stochastic:1..64"}));
+                                      "moment_based:4|6", "multi_layer:1..64", "stochastic:1..64", "auto",
+                                      "auto:0..1"}));
   for (const char* unknown : {"presorted_buffers", "presorted_buffers:", "presorted_buffers:0", "presorted_buffers:1x",
                               "presorted_buffers:-1", "presorted_buffers:1001",
                               "depth_peeling:", "depth_peeling:0", "depth_peeling:-1", "depth_peeling:1001",

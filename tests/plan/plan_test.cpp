@@ -67,8 +67,8 @@ std::size_t wrong_pixels(const Mesh& mesh, StrategyRenderer& renderer, const Vie
   blend_lists(mesh.view(), view, lists, PixelFormat::rgba32f, reference);
   renderer.draw(view, PixelFormat::rgba32f, picture);
   const double radius = static_cast<double>(facet_bounds(mesh.view()).radius());
-  const PictureVerdict verdict = judge_picture(mesh.view(), view, lists, reference, picture,
-                                               {.bounding_radius = radius > 0 ? radius : 1.0});
+  const PictureVerdict verdict =
+      judge_picture(mesh.view(), view, lists, reference, picture, {.bounding_radius = radius > 0 ? radius : 1.0});
   return verdict.wrong_pixels;
 }
 
@@ -151,6 +151,14 @@ TEST(Plan, SaysHowManyLayersShow) {
   EXPECT_TRUE(leaves_out(plan, "presorting"));  // for a hundred frames
 }
 
+TEST(Plan, BrightColoursShowThroughMoreLayers) {
+  Mesh knot = shapes::torus_knot(500);
+  knot.facet_colours.assign(knot.triangles.size(), glm::vec4(1, 1, 1, 0.5f));
+  EXPECT_EQ(plan_mesh(knot.view(), quick).layers_that_matter, 9u);
+  knot.facet_colours[7] = glm::vec4(1, 4, 1, 0.5f);
+  EXPECT_EQ(plan_mesh(knot.view(), quick).layers_that_matter, 11u);
+}
+
 TEST(Plan, CrossingFacetsAreCutOrComparedAPixel) {
   const Mesh crossing = shapes::interpenetrating(1);
   const MeshPlan plan = plan_mesh(crossing.view(), quick);
@@ -183,9 +191,15 @@ TEST(Plan, ABudgetIsKeptInTheViewsStated) {
 // What is proved has no wrong pixel in views that the plan has not seen, from outside and from within: what was chosen,
 // and what was only slower.
 TEST(Plan, WhatIsProvedIsRight) {
-  std::vector<Mesh> meshes{shapes::box(),           dented_box(),               two_spheres(),
-                           shapes::torus_knot(500), shapes::interpenetrating(1), shapes::triangle_cycle(5),
-                           shapes::woven_mat(4),    shapes::nested_shells(3, 0.2f, 1), shapes::soup(60, 7)};
+  std::vector<Mesh> meshes{shapes::box(),
+                           dented_box(),
+                           two_spheres(),
+                           shapes::torus_knot(500),
+                           shapes::interpenetrating(1),
+                           shapes::triangle_cycle(5),
+                           shapes::woven_mat(4),
+                           shapes::nested_shells(3, 0.2f, 1),
+                           shapes::soup(60, 7)};
   Mesh thin = shapes::torus_knot(500);
   thin.facet_colours.clear();
   colour(thin, 0.05f);

@@ -70,7 +70,7 @@ struct Strategy {
 
 // Every strategy that needs no number, no scene and no plan, in the order in which reports show them; `reference` last.
 std::vector<Strategy> all_strategies();
-// What the names of the others look like: "multi_layer:1..64", "moment_based:4|6", ...
+// What the names of the others look like, scenes' aside: "multi_layer:1..64", "moment_based:4|6", "auto", ...
 std::vector<std::string> numbered_strategy_names();
 // Knows every name() and, as method, its alias.
 std::optional<Strategy> strategy_from_name(std::string_view name);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <vector>
 
 #include "facetsort/blend/shading.h"
 
@@ -29,45 +30,57 @@ std::vector<ColourBounds> bounds_of_textures(const MeshView& mesh) {
   return bounds;
 }
 
+// Of one facet, before light; products of bounds, as no channel is negative.
+ColourBounds bounds_of_facet(const MeshView& mesh, std::uint32_t facet, const std::vector<ColourBounds>& textures) {
+  ColourBounds bounds;
+  if (mesh.facet_colours.empty() && mesh.vertex_colours.empty() && mesh.materials.empty()) {
+    bounds.add(default_facet_colour(facet));
+    return bounds;
+  }
+  const ColourBounds* texture =
+      texture_of(mesh, facet) == nullptr ? nullptr : &textures[material_of(mesh, facet)->texture];
+  for (int corner = 0; corner < 3; ++corner) {
+    const glm::vec4 colour = corner_colour(mesh, facet, corner);
+    bounds.add(texture == nullptr ? colour : colour * texture->lowest);
+    if (texture != nullptr) bounds.add(colour * texture->highest);
+  }
+  return bounds;
+}
+
+float brightest_of(const ColourBounds& bounds) {
+  return std::max({bounds.highest.r, bounds.highest.g, bounds.highest.b});
+}
+
 }  // namespace
 
 Appearance find_appearance(const MeshView& mesh) {
   Appearance appearance;
-  const bool has_colours = !mesh.facet_colours.empty() || !mesh.vertex_colours.empty() || !mesh.materials.empty();
   const std::vector<ColourBounds> textures = bounds_of_textures(mesh);
-  ColourBounds all;
+  ColourBounds blended;
   for (std::uint32_t facet = 0; facet < mesh.facet_count(); ++facet) {
     const Material* material = material_of(mesh, facet);
-    if (material != nullptr && material->alpha_mode != AlphaMode::blend) continue;
-    ++appearance.blended;
+    const bool is_blended = material == nullptr || material->alpha_mode == AlphaMode::blend;
+    const ColourBounds bounds = bounds_of_facet(mesh, facet, textures);
+    appearance.brightest = std::max(appearance.brightest, brightest_of(bounds));
+    if (!is_blended) continue;
     appearance.all_single_sided = appearance.all_single_sided && is_single_sided(mesh, facet);
-    if (!has_colours) {
-      all.add(default_facet_colour(facet));
-      continue;
-    }
-    // Products of bounds: no channel is negative.
-    const ColourBounds* texture =
-        texture_of(mesh, facet) == nullptr ? nullptr : &textures[material->texture];
-    for (int corner = 0; corner < 3; ++corner) {
-      const glm::vec4 colour = corner_colour(mesh, facet, corner);
-      all.add(texture == nullptr ? colour : colour * texture->lowest);
-      if (texture != nullptr) all.add(colour * texture->highest);
-    }
+    blended.add(bounds.lowest);
+    blended.add(bounds.highest);
   }
-  if (appearance.blended == 0) return appearance;
-  appearance.lowest_alpha = all.lowest.a;
-  appearance.highest_alpha = all.highest.a;
-  const glm::vec3 range = glm::vec3(all.highest) - least_light * glm::vec3(all.lowest);
+  appearance.lowest_alpha = blended.lowest.a;
+  appearance.highest_alpha = blended.highest.a;
+  const glm::vec3 range = glm::vec3(blended.highest) - least_light * glm::vec3(blended.lowest);
   appearance.colour_range = std::max({range.x, range.y, range.z});
   return appearance;
 }
 
-std::optional<std::size_t> layers_that_matter(float lowest_alpha) {
+std::optional<std::size_t> layers_that_matter(const Appearance& appearance) {
+  const double lowest_alpha = static_cast<double>(appearance.lowest_alpha);
   if (!(lowest_alpha > 0)) return std::nullopt;
-  double light = 1;
+  double light = static_cast<double>(appearance.brightest);
   std::size_t layers = 0;
   while (light >= display_step / 2) {
-    light *= 1 - static_cast<double>(lowest_alpha);
+    light *= 1 - lowest_alpha;
     ++layers;
     if (layers > std::size_t{1} << 20) return std::nullopt;
   }

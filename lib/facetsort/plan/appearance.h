@@ -9,18 +9,18 @@
 namespace facetsort::plan_internal {
 
 struct Appearance {
-  std::size_t blended = 0;                          // facets
-  float lowest_alpha = 1, highest_alpha = 0;        // of theirs, textures included
-  float colour_range = 0;   // largest difference of a channel between any two of their straight colours, light included
-  bool all_single_sided = true;                     // of the blended ones
+  float lowest_alpha = 1, highest_alpha = 0;  // of the blended facets, textures included
+  float colour_range = 0;  // largest difference of a channel between any two of their straight colours, light included
+  float brightest = 1;     // the largest channel of any facet's colour, if above 1
+  bool all_single_sided = true;  // of the blended ones
 };
 
-// One pass over facets, corners and texels.
+// One pass over facets, corners and texels. Precondition: some facet is blended.
 Appearance find_appearance(const MeshView& mesh);
 
-// The fewest layers of at least this alpha through which less than half of a display step of 1/255 comes; nothing where
-// it is not above 0.
-std::optional<std::size_t> layers_that_matter(float lowest_alpha);
+// The fewest layers through which, whatever they and those behind are of what can appear, less than half of a display
+// step of 1/255 comes; nothing where the lowest alpha is not above 0.
+std::optional<std::size_t> layers_that_matter(const Appearance& appearance);
 
 // How far two orders of `layers` layers may differ, a channel: no pair of layers changes it by more than the product of
 // their alphas times the range of colours, and no order leaves that range (see order_error_bound()).

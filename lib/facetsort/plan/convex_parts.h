@@ -1,7 +1,7 @@
 // The convex parts of a mesh, and whether an eye sees them side by side.
 //
-// A closed convex surface shows no ray more than one facet from behind and, before it, one from the front. So back faces
-// and then front faces are in the right order, whatever the order of each, where no ray meets two such parts.
+// A closed convex surface shows no ray more than one facet from behind and, before it, one from the front. So back
+// faces and then front faces are in the right order, whatever the order of each, where no ray meets two such parts.
 #pragma once
 
 #include <cstddef>

@@ -42,8 +42,8 @@ struct TimedStrategy {
   Strategy strategy;
   Certainty certainty = Certainty::proved;
   double frame_ms = 0;
-  double prepare_ms = 0;     // once
-  double worst_wrong = 0;    // share of a view's covered pixels; measured strategies only
+  double prepare_ms = 0;   // once
+  double worst_wrong = 0;  // share of a view's covered pixels; measured strategies only
 };
 
 struct MeshPlan {
@@ -52,22 +52,22 @@ struct MeshPlan {
   Strategy strategy;
   Certainty certainty = Certainty::proved;
   std::string reason;
-  // Whether separate_culling_pass is right, proved, in the views in which no two parts of the mesh overlap on the screen
-  // (see ConvexParts); in others, `strategy` is.
+  // Whether separate_culling_pass is right, proved, in the views in which no two parts of the mesh overlap on the
+  // screen (see ConvexParts); in others, `strategy` is.
   bool culls_where_apart = false;
   std::vector<LeftOut> left_out;
 
   // What the reasons rest on; absent where it did not have to be found.
-  float lowest_alpha = 1, highest_alpha = 1;        // of what is blended
-  std::optional<std::size_t> layers_that_matter;    // the light through so many is below half a display step of 1/255
+  float lowest_alpha = 1, highest_alpha = 1;      // of what is blended
+  std::optional<std::size_t> layers_that_matter;  // the light through so many is below half a display step of 1/255
   std::optional<GeometryFacts> geometry;
   std::vector<TimedStrategy> timed;
   double plan_ms = 0;
 };
 
 struct Plan {
-  MeshPlan whole;                  // all blended facets together
-  std::vector<MeshPlan> objects;   // of a scene, in its order: each alone, nothing timed
+  MeshPlan whole;                 // all blended facets together
+  std::vector<MeshPlan> objects;  // of a scene, in its order: each alone, nothing timed
   std::size_t blended_objects = 0;
   // Most objects in a group of blended ones whose bounding spheres overlap on the screen, in the worst of the stated
   // views: where it is 1, objects need no common sort in any of them.

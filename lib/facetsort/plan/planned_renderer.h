@@ -11,7 +11,7 @@
 namespace facetsort {
 
 struct PlannedStatistics {
-  std::size_t frames = 0;   // ordered
+  std::size_t frames = 0;    // ordered
   std::size_t kept = 0;      // of those, with the last one's order: of the same eye and, by depth keys, the same axis
   std::size_t unsorted = 0;  // of those, in which nothing had to be sorted
 };

@@ -17,8 +17,8 @@ struct TimedRenderer {
   bool is_complete = true;                   // an exact order left nothing unordered
 };
 
-// The shortest of a few frames of each view, after one that allocates. Stops after the first view that takes longer than
-// `most_ms`. Precondition: the strategy takes no number of buffers that are not in `presorted`.
+// The shortest of a few frames of each view, after one that allocates. Stops after the first view that takes longer
+// than `most_ms`. Precondition: the strategy takes no number of buffers that are not in `presorted`.
 TimedRenderer time_strategy(const MeshView& mesh, const Strategy& strategy, std::span<const View> views,
                             const PresortedInput& presorted, double most_ms);
 
