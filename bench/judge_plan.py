@@ -16,7 +16,8 @@ import sys
 import tempfile
 
 BUDGETS = {"auto": 0, "auto:0.001": 0.001}
-# All that need no number, and the others at sensible ones; but for presorted_buffers, which takes minutes to make.
+# All that need no number, but for additive, which is another picture; and the others at sensible ones, but for
+# presorted_buffers, which takes minutes to make.
 STRATEGIES = """unsorted double_sided separate_culling_pass depth_prepass depth_write premultiplied_over
 facet_sort:centroid_distance facet_sort:centroid_depth facet_sort:bounds_centre facet_sort:first_vertex
 facet_sort:nearest_vertex facet_sort:farthest_vertex facet_sort:exact facet_sort:exact_tree facet_sort:presorted depth_peeling

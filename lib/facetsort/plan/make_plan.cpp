@@ -24,8 +24,12 @@ constexpr double half_display_step = 0.5 / 255;
 constexpr double presort_ms_per_facet = 0.08;
 constexpr std::size_t most_facets_from_pairs = 5000;
 // Drawing the pieces that its planes cut took 1.2 to 3 times as long as drawing whole facets where few of them crossed,
-// and up to 16 times where many did. Of what may be saved so, only a part is counted on.
-constexpr double presorted_growth = 1.5, hoped_saving = 0.2;
+// and 13 to 16 times where there was a crossing pair to every sixth or third facet. Of what may be saved so, only a
+// part is counted on; where it takes no longer than a plan does anyway, it is tried.
+constexpr double presorted_growth = 1.5, growth_by_pairs = 20, hoped_saving = 0.2, cheap_presort_ms = 100;
+
+// A strategy that takes so many times as long in a view is timed in no other.
+constexpr double hopeless = 2;
 
 constexpr Strategy exact_order{.kind = StrategyKind::facet_sort, .method = Method::exact};
 constexpr Strategy presorted_order{.kind = StrategyKind::facet_sort, .method = Method::presorted};
@@ -214,22 +218,23 @@ void Planner::take(TimedRenderer&& timed) {
 }
 
 void Planner::time(const Strategy& strategy) {
-  take(time_strategy(mesh_, strategy, views_, presorted_, 1.5 * best_ms()));
+  take(time_strategy(mesh_, strategy, views_, presorted_, hopeless * best_ms()));
 }
 
 bool Planner::is_presorting_worth_it(double floor_ms) {
   if (presorted_.tree != nullptr || !best_) return true;
   const double pairs = static_cast<double>(plan().geometry->intersecting_pairs);
-  const double growth = presorted_growth + pairs / static_cast<double>(blended_.facet_count());
-  const double saving_ms = best_ms() - growth * floor_ms;
+  const double facets = static_cast<double>(blended_.facet_count()), build_ms = presort_ms_per_facet * facets;
+  const double growth = presorted_growth + growth_by_pairs * pairs / facets;
+  const double saving_ms = best_ms() - (build_ms < cheap_presort_ms ? 1.0 : growth) * floor_ms;
   if (saving_ms <= 0) {
-    leave_out("presorting", "drawing at least " + text_of(growth) + " times as many pieces would take longer");
+    leave_out("presorting", "drawing its pieces, expected to take " + text_of(growth) +
+                                " times as long as whole facets, would take longer");
     return false;
   }
-  const double build_ms = presort_ms_per_facet * static_cast<double>(blended_.facet_count());
   const double worth_ms = hoped_saving * saving_ms * static_cast<double>(options_.frames);
   if (build_ms < worth_ms) return true;
-  leave_out("presorting", "it takes about " + text_of(build_ms) + " ms once, and saves at most " + text_of(saving_ms) +
+  leave_out("presorting", "it takes about " + text_of(build_ms) + " ms once, and may save " + text_of(saving_ms) +
                               " ms in each of " + counted(options_.frames, "frame"));
   return false;
 }
@@ -251,7 +256,7 @@ void Planner::time_measured(WrongPixels& wrong) {
       leave_out(name_of(strategy), text_of(100 * share) + " % of a view's pixels are wrong");
       continue;
     }
-    TimedRenderer timed = time_strategy(mesh_, strategy, views_, presorted_, 1.5 * best_ms());
+    TimedRenderer timed = time_strategy(mesh_, strategy, views_, presorted_, hopeless * best_ms());
     timed.timed.certainty = Certainty::measured;
     timed.timed.worst_wrong = share;
     take(std::move(timed));

@@ -40,9 +40,9 @@ TimedRenderer time_strategy(const MeshView& mesh, const Strategy& strategy, std:
       timed.renderer->draw(view, PixelFormat::rgba32f, image);
     };
     double shortest = milliseconds_of(draw), spent = 0;
-    const bool is_known = shortest > long_ms || shortest > 4 * most_ms;
-    for (int frame = 0; frame < most_frames && !is_known; ++frame) {
-      if (frame >= least_frames && spent > enough_ms) break;
+    for (int frame = 0; frame < most_frames && shortest < long_ms; ++frame) {
+      const bool is_enough = spent > enough_ms || shortest > most_ms;
+      if (frame >= least_frames && is_enough) break;
       const double taken = milliseconds_of(draw);
       spent += taken;
       shortest = std::min(shortest, taken);
