@@ -41,31 +41,56 @@ TEST(Strategy, NamesAreDistinctAndKnown) {
     EXPECT_TRUE(names.insert(strategy.name()).second);
     EXPECT_EQ(strategy_from_name(strategy.name()), strategy);
   }
-  EXPECT_EQ(names.size(), 20u);
+  EXPECT_EQ(names.size(), 18u);
   EXPECT_EQ(strategy_from_name("facet_sort:parametric_centre"), strategy_from_name("facet_sort:centroid_depth"));
   EXPECT_EQ(strategy_from_name("facet_sort"), strategy_from_name("facet_sort:centroid_distance"));
   EXPECT_EQ(strategy_from_name("presorted_buffers:12"),
             (Strategy{.kind = StrategyKind::presorted_buffers, .number = 12}));
-  for (const char* name : {"presorted_buffers:12", "depth_peeling:1", "depth_peeling:1000", "dual_depth_peeling:5",
-                           "moment_based:4", "moment_based:6", "multi_layer:1", "multi_layer:64", "stochastic:1",
-                           "stochastic:64"}) {
+  for (const char* name : {"additive", "premultiplied_over", "presorted_buffers:12", "depth_peeling:1",
+                           "depth_peeling:1000", "dual_depth_peeling:5", "moment_based:4", "moment_based:6",
+                           "multi_layer:1", "multi_layer:64", "stochastic:1", "stochastic:64"}) {
     const std::optional<Strategy> strategy = strategy_from_name(name);
     ASSERT_TRUE(strategy) << name;
     EXPECT_EQ(strategy->name(), name);
     EXPECT_TRUE(names.insert(name).second);
   }
   EXPECT_EQ(numbered_strategy_names(),
-            (std::vector<std::string>{"presorted_buffers:1..1000", "depth_peeling:1..1000", "dual_depth_peeling:1..1000",
-                                      "moment_based:4|6", "multi_layer:1..64", "stochastic:1..64", "auto",
-                                      "auto:0..1"}));
-  for (const char* unknown : {"presorted_buffers", "presorted_buffers:", "presorted_buffers:0", "presorted_buffers:1x",
-                              "presorted_buffers:-1", "presorted_buffers:1001",
-                              "depth_peeling:", "depth_peeling:0", "depth_peeling:-1", "depth_peeling:1001",
-                              "dual_depth_peeling:+5", "weighted_blended:1", "moment_based", "moment_based:5",
-                              "moment_based:8", "moment_based:44", "multi_layer", "multi_layer:0", "multi_layer:65",
-                              "stochastic", "stochastic:x", "stochastic:0", "stochastic:65", "stochastic: 8",
-                              "additive:2", "premultiplied_over:1", "reference:1", "", "sorted", "facet_sort:",
-                              "facet_sort:nothing", "unsorted:centroid_depth", "unsorted:"}) {
+            (std::vector<std::string>{"additive", "premultiplied_over", "presorted_buffers:1..1000",
+                                      "depth_peeling:1..1000", "dual_depth_peeling:1..1000", "moment_based:4|6",
+                                      "multi_layer:1..64", "stochastic:1..64", "auto", "auto:0..1"}));
+  for (const char* unknown : {"presorted_buffers",
+                              "presorted_buffers:",
+                              "presorted_buffers:0",
+                              "presorted_buffers:1x",
+                              "presorted_buffers:-1",
+                              "presorted_buffers:1001",
+                              "depth_peeling:",
+                              "depth_peeling:0",
+                              "depth_peeling:-1",
+                              "depth_peeling:1001",
+                              "dual_depth_peeling:+5",
+                              "weighted_blended:1",
+                              "moment_based",
+                              "moment_based:5",
+                              "moment_based:8",
+                              "moment_based:44",
+                              "multi_layer",
+                              "multi_layer:0",
+                              "multi_layer:65",
+                              "stochastic",
+                              "stochastic:x",
+                              "stochastic:0",
+                              "stochastic:65",
+                              "stochastic: 8",
+                              "additive:2",
+                              "premultiplied_over:1",
+                              "reference:1",
+                              "",
+                              "sorted",
+                              "facet_sort:",
+                              "facet_sort:nothing",
+                              "unsorted:centroid_depth",
+                              "unsorted:"}) {
     EXPECT_FALSE(strategy_from_name(unknown).has_value()) << unknown;
   }
 }

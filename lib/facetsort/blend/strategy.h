@@ -69,6 +69,7 @@ struct Strategy {
 };
 
 // Every strategy that needs no number, no scene and no plan, in the order in which reports show them; `reference` last.
+// But for additive and premultiplied_over: the first is another picture, and the second that of `unsorted` again.
 std::vector<Strategy> all_strategies();
 // What the names of the others look like, scenes' aside: "multi_layer:1..64", "moment_based:4|6", "auto", ...
 std::vector<std::string> numbered_strategy_names();

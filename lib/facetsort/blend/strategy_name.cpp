@@ -8,12 +8,15 @@
 namespace facetsort {
 namespace {
 
+// Some are only compared where they are named: another picture, or that of another strategy again.
+enum class Listing { always, by_name };
 enum class Detail { none, method, rule, number, number_if_any, budget_if_any };
 
 struct NamedKind {
   StrategyKind kind;
   std::string_view name;
   Detail detail = Detail::none;
+  Listing listing = Listing::always;
   std::size_t least = 1, most = 0, step = 1;  // of the number
 };
 
@@ -24,17 +27,18 @@ constexpr NamedKind kinds[] = {
     {StrategyKind::separate_culling_pass, "separate_culling_pass"},
     {StrategyKind::depth_prepass, "depth_prepass"},
     {StrategyKind::depth_write, "depth_write"},
-    {StrategyKind::additive, "additive"},
-    {StrategyKind::premultiplied_over, "premultiplied_over"},
+    {StrategyKind::additive, "additive", Detail::none, Listing::by_name},
+    {StrategyKind::premultiplied_over, "premultiplied_over", Detail::none, Listing::by_name},
     {StrategyKind::facet_sort, "facet_sort", Detail::method},
     {StrategyKind::draw_order, "draw_order", Detail::rule},
-    {StrategyKind::presorted_buffers, "presorted_buffers", Detail::number, 1, Strategy::most_buffers},
-    {StrategyKind::depth_peeling, "depth_peeling", Detail::number_if_any, 1, Strategy::most_passes},
-    {StrategyKind::dual_depth_peeling, "dual_depth_peeling", Detail::number_if_any, 1, Strategy::most_passes},
+    {StrategyKind::presorted_buffers, "presorted_buffers", Detail::number, Listing::always, 1, Strategy::most_buffers},
+    {StrategyKind::depth_peeling, "depth_peeling", Detail::number_if_any, Listing::always, 1, Strategy::most_passes},
+    {StrategyKind::dual_depth_peeling, "dual_depth_peeling", Detail::number_if_any, Listing::always, 1,
+     Strategy::most_passes},
     {StrategyKind::weighted_blended, "weighted_blended"},
-    {StrategyKind::moment_based, "moment_based", Detail::number, 4, 6, 2},
-    {StrategyKind::multi_layer, "multi_layer", Detail::number, 1, most_kept_layers},
-    {StrategyKind::stochastic, "stochastic", Detail::number, 1, most_depth_samples},
+    {StrategyKind::moment_based, "moment_based", Detail::number, Listing::always, 4, 6, 2},
+    {StrategyKind::multi_layer, "multi_layer", Detail::number, Listing::always, 1, most_kept_layers},
+    {StrategyKind::stochastic, "stochastic", Detail::number, Listing::always, 1, most_depth_samples},
     {StrategyKind::automatic, "auto", Detail::budget_if_any},
     {StrategyKind::reference, "reference"},
 };
@@ -96,7 +100,8 @@ std::vector<Strategy> all_strategies() {
   for (const NamedKind& named : kinds) {
     if (named.detail == Detail::method) {
       for (const Method method : all_methods()) strategies.push_back({named.kind, method});
-    } else if (named.detail != Detail::number && named.detail != Detail::rule && named.detail != Detail::budget_if_any) {
+    } else if (named.listing == Listing::always && named.detail != Detail::number && named.detail != Detail::rule &&
+               named.detail != Detail::budget_if_any) {
       strategies.push_back({.kind = named.kind});
     }
   }
@@ -106,6 +111,7 @@ std::vector<Strategy> all_strategies() {
 std::vector<std::string> numbered_strategy_names() {
   std::vector<std::string> names;
   for (const NamedKind& named : kinds) {
+    if (named.listing == Listing::by_name) names.emplace_back(named.name);
     if (named.detail == Detail::budget_if_any) {
       names.emplace_back(named.name);
       names.push_back(std::string(named.name).append(separator).append("0..1"));
