@@ -53,6 +53,15 @@ std::string method_names() {
 
 constexpr std::string_view rgba32f_name = "rgba32f", rgba8_name = "rgba8";
 
+// From 0 to 1.
+double parse_share(const std::string& option, const std::string& text) {
+  const std::optional<double> number = parse_number<double>(text);
+  if (!number || !(*number >= 0 && *number <= 1)) {
+    throw CLI::ValidationError(option, "'" + text + "' is not a number from 0 to 1");
+  }
+  return *number;
+}
+
 }  // namespace
 
 glm::vec3 parse_point(const std::string& option, const std::string& text) {
@@ -151,13 +160,7 @@ CLI::Option* add_growth_option(CLI::App& command, std::optional<double>& max_gro
 }
 
 CLI::Option* add_error_option(CLI::App& command, std::optional<double>& max_error) {
-  const auto parse = [&max_error](const std::string& text) {
-    const std::optional<double> number = parse_number<double>(text);
-    if (!number || !(*number >= 0 && *number <= 1)) {
-      throw CLI::ValidationError("--max-error", "'" + text + "' is not a number from 0 to 1");
-    }
-    max_error = *number;
-  };
+  const auto parse = [&max_error](const std::string& text) { max_error = parse_share("--max-error", text); };
   return command
       .add_option_function<std::string>(
           "--max-error", parse,
@@ -166,13 +169,7 @@ CLI::Option* add_error_option(CLI::App& command, std::optional<double>& max_erro
 }
 
 CLI::Option* add_budget_option(CLI::App& command, double& budget) {
-  const auto parse = [&budget](const std::string& text) {
-    const std::optional<double> number = parse_number<double>(text);
-    if (!number || !(*number >= 0 && *number <= 1)) {
-      throw CLI::ValidationError("--budget", "'" + text + "' is not a number from 0 to 1");
-    }
-    budget = *number;
-  };
+  const auto parse = [&budget](const std::string& text) { budget = parse_share("--budget", text); };
   return command
       .add_option_function<std::string>("--budget", parse,
                                         "Share of a view's pixels that may be wrong: 0.001 for 0.1 %")

@@ -1,8 +1,6 @@
 #include "input_mesh.h"
 
-#include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -22,16 +20,6 @@ Mesh copy_of(const MeshView& view) {
 bool is_scene(const std::filesystem::path& path) {
   const std::string extension = extension_of(path);
   return extension == ".gltf" || extension == ".glb" || std::filesystem::is_directory(path);
-}
-
-// Objects whose facets are blended, then the others, both as the scene has them.
-std::vector<std::uint32_t> blended_first(const Scene& scene) {
-  std::vector<std::uint32_t> objects(scene.objects.size());
-  std::iota(objects.begin(), objects.end(), 0u);
-  std::stable_partition(objects.begin(), objects.end(), [&](std::uint32_t object) {
-    return scene.material_of(object).material.alpha_mode == AlphaMode::blend;
-  });
-  return objects;
 }
 
 void measure_bounds(InputMesh& input) {

@@ -6,6 +6,7 @@
 #include "facetsort/base/memory.h"
 #include "facetsort/base/parallel.h"
 #include "facetsort/base/status.h"
+#include "facetsort/base/stopwatch.h"
 #include "facetsort/base/file_bytes.h"
 #include "facetsort/base/new_file.h"
 

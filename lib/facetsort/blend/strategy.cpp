@@ -142,6 +142,7 @@ struct StrategyRenderer::State {
   std::span<const std::uint32_t> order;
   std::size_t blended = 0;               // facets; those that are not come after them
   SceneInput scene;                      // of draw_order
+  std::optional<SceneDrawOrder> object_order;
   // The order and its pieces' cuts by ids of the whole mesh, where only a part of it is ordered.
   std::vector<std::uint32_t> drawn;
   std::vector<Cut> drawn_cuts;
@@ -201,8 +202,7 @@ struct StrategyRenderer::State {
 
   void batch_objects(const View& view) {
     batches.clear();
-    for (const ObjectDraw& draw :
-         scene_draw_order(strategy.rule, *scene.scene, scene.objects, scene_camera(view))) {
+    for (const ObjectDraw& draw : object_order->find(strategy.rule, scene_camera(view))) {
       const MergedObject& object = scene.objects[draw.item];
       batches.push_back(
           {std::span(index_order).subspan(object.first_facet, object.facet_count), pass_of(draw), draw.clear_depth});
@@ -248,6 +248,7 @@ StrategyRenderer::StrategyRenderer(const MeshView& mesh, const Strategy& strateg
   } else if (strategy.kind != StrategyKind::reference) {
     state_->needs_index_order = true;
   }
+  if (strategy.kind == StrategyKind::draw_order) state_->object_order.emplace(*scene.scene, scene.objects);
   if (state_->needs_index_order || state_->has_batches()) {
     state_->index_order.resize(mesh.facet_count());
     std::iota(state_->index_order.begin(), state_->index_order.end(), 0u);

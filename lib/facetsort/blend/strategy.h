@@ -42,8 +42,8 @@ enum class StrategyKind {
   stochastic,
   additive,               // index order, colours added (see BlendMode): another picture than source-over's, which it is
                           // compared with all the same, to say how far from it
-  premultiplied_over,     // index order: the picture of `unsorted`, under the name of what it trusts in, that alphas are
-                          // so small that no order is needed (see order_error_bound())
+  premultiplied_over,     // index order: the picture of `unsorted`, under the name of what it trusts in: alphas so
+                          // small that no order is needed (see order_error_bound())
   automatic,              // whichever a plan finds best (PlannedRenderer in plan/ draws it, StrategyRenderer does not)
   reference,              // every fragment of a pixel blended by its own depth
 };
@@ -64,7 +64,8 @@ struct Strategy {
   bool draws_in_order() const;
   // Whether some fragments are left out on purpose, so that coverage can't be counted.
   bool discards_fragments() const;
-  // "unsorted", "facet_sort:centroid_distance", "draw_order:three", "presorted_buffers:10", "depth_peeling", "depth_peeling:5", "auto:0.001", ...
+  // "unsorted", "facet_sort:centroid_distance", "draw_order:three", "presorted_buffers:10", "depth_peeling",
+  // "depth_peeling:5", "auto:0.001", ...
   std::string name() const;
 };
 

@@ -16,6 +16,7 @@
 #include <utility>
 
 #include "facetsort/base/parallel.h"
+#include "facetsort/base/stopwatch.h"
 #include "facetsort/exact/cycles.h"
 #include "facetsort/exact/elements.h"
 #include "facetsort/exact/hiding_graph.h"
@@ -26,7 +27,6 @@
 #include "facetsort/exact/presorted_order.h"
 #include "facetsort/exact/relation.h"
 #include "facetsort/exact/screen.h"
-#include "facetsort/exact/stopwatch.h"
 #include "facetsort/exact/tree_order.h"
 #include "facetsort/exact/triangulation.h"
 #include "facetsort/order/key_sort.h"

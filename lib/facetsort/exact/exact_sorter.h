@@ -86,9 +86,9 @@ struct OrderedTriangles {
 // decides each by exact signs, orders them, and cuts only what hides each other in a cycle; or it walks the tree.
 //
 // Facets without area and facets seen edge-on hide nothing and are hidden by nothing: from pairs, they come by their
-// depth alone; from a tree or presorted, those without area first. Facets in one plane, duplicates among them, make no constraint
-// either: from pairs, they come by depth, then by smaller id. The order is the same for any thread count and
-// instruction set.
+// depth alone; from a tree or presorted, those without area first. Facets in one plane, duplicates among them,
+// make no constraint either: from pairs, they come by depth, then by smaller id. The order is the same for any thread
+// count and instruction set.
 //
 // One thread at a time; works in parallel in the caller's task arena. The mesh's arrays must outlive it.
 class ExactSorter {

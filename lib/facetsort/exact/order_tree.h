@@ -61,8 +61,8 @@ struct TreeOptions {
 };
 
 // Builds a tree over parts with area that do not cross. Halves are added to `pieces`, points and planes to `points`.
-// Nothing, and then nothing is added, where that would take more than `most_cuts`, or where it was cancelled. Parallel in the caller's task arena;
-// the result does not depend on the thread count.
+// Nothing, and then nothing is added, where that would take more than `most_cuts`, or where it was cancelled. Parallel in
+// the caller's task arena; the result does not depend on the thread count.
 std::optional<OrderTree> build_order_tree(Points& points, PartList& pieces, std::span<const std::uint32_t> parts,
                                           const TreeOptions& options);
 

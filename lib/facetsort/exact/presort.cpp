@@ -4,9 +4,9 @@
 #include <utility>
 #include <vector>
 
+#include "facetsort/base/stopwatch.h"
 #include "facetsort/exact/order_tree.h"
 #include "facetsort/exact/parted_mesh.h"
-#include "facetsort/exact/stopwatch.h"
 #include "facetsort/exact/triangulation.h"
 
 namespace facetsort {

@@ -154,15 +154,7 @@ Status validate_materials(const MeshView& mesh) {
     return {Fault::size_mismatch, std::to_string(mesh.texture_coordinates.size()) + " texture coordinates for " +
                                       std::to_string(vertices) + " vertices"};
   }
-  for (std::size_t i = 0; i < mesh.textures.size(); ++i) {
-    const Texture& texture = mesh.textures[i];
-    if (texture.width <= 0 || texture.height <= 0 ||
-        texture.texels.size() != static_cast<std::size_t>(texture.width) * static_cast<std::size_t>(texture.height)) {
-      return {Fault::size_mismatch, "texture " + std::to_string(i) + " has " + std::to_string(texture.texels.size()) +
-                                        " texels for " + std::to_string(texture.width) + " x " +
-                                        std::to_string(texture.height)};
-    }
-  }
+  if (Status status = validate(mesh.textures); !status.ok()) return status;
   for (std::size_t f = 0; f < facets; ++f) {
     const std::uint32_t material = mesh.facet_materials[f];
     if (material >= mesh.materials.size()) {
@@ -191,6 +183,19 @@ Status validate_materials(const MeshView& mesh) {
 }
 
 }  // namespace
+
+Status validate(std::span<const Texture> textures) {
+  for (std::size_t i = 0; i < textures.size(); ++i) {
+    const Texture& texture = textures[i];
+    if (texture.width <= 0 || texture.height <= 0 ||
+        texture.texels.size() != static_cast<std::size_t>(texture.width) * static_cast<std::size_t>(texture.height)) {
+      return {Fault::size_mismatch, "texture " + std::to_string(i) + " has " + std::to_string(texture.texels.size()) +
+                                        " texels for " + std::to_string(texture.width) + " x " +
+                                        std::to_string(texture.height)};
+    }
+  }
+  return {};
+}
 
 Status validate(const MeshView& mesh) {
   constexpr std::size_t most = std::numeric_limits<std::uint32_t>::max() - std::size_t{1};

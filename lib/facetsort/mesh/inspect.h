@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 
 #include "facetsort/base/status.h"
 #include "facetsort/mesh/mesh_view.h"
@@ -12,9 +13,12 @@ namespace facetsort {
 // empty_mesh, too_many_facets (2^32 - 1 facets or vertices and more), size_mismatch, index_out_of_range,
 // non_finite_position (of a vertex that some facet uses). O(facets), allocates nothing, thread-safe.
 Status validate(const MeshView& mesh);
+// Whether each texture has its texels; size_mismatch, with the first that has not.
+Status validate(std::span<const Texture> textures);
 
-// Combinatorial facts of a valid mesh; what needs exact geometry (intersections, convexity) is in exact/facts.h. Corners at bit-identical positions count as one vertex (-0 equals 0), so that
-// a mesh whose facets do not share vertices is judged by its shape and not by its indexing.
+// Combinatorial facts of a valid mesh; what needs exact geometry (intersections, convexity) is in exact/facts.h.
+// Corners at bit-identical positions count as one vertex (-0 equals 0), so that a mesh whose facets do not share
+// vertices is judged by its shape and not by its indexing.
 struct MeshFacts {
   std::size_t facets = 0;
   std::size_t vertices = 0;              // as listed

@@ -1,6 +1,5 @@
 // The rules, the cheapest first: what colours and materials prove, then what the shape proves, then what was measured.
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <limits>
 #include <span>
@@ -8,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "facetsort/base/stopwatch.h"
 #include "facetsort/exact/predicates.h"
 #include "facetsort/facets/facets.h"
 #include "facetsort/plan/appearance.h"
@@ -309,13 +309,12 @@ void Planner::by_times() {
 
 PlannedMesh make_plan(const MeshView& mesh, const PlanOptions& options, const PresortedInput& presorted,
                       bool with_times) {
-  using Clock = std::chrono::steady_clock;
-  const Clock::time_point begin = Clock::now();
+  Stopwatch stopwatch;
   Planner planner(mesh, options, presorted);
   if (!planner.by_colours() && !planner.by_shape()) {
     with_times ? planner.by_times() : planner.by_rule_of_thumb();
   }
-  planner.planned.plan.plan_ms = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+  planner.planned.plan.plan_ms = stopwatch.lap();
   return std::move(planner.planned);
 }
 

@@ -1,11 +1,11 @@
 #include "facetsort/plan/plan.h"
 
 #include <algorithm>
-#include <chrono>
 #include <numeric>
 #include <span>
 #include <utility>
 
+#include "facetsort/base/stopwatch.h"
 #include "facetsort/blend/view.h"
 #include "facetsort/plan/convex_parts.h"
 #include "facetsort/plan/planned_mesh.h"
@@ -40,14 +40,6 @@ std::size_t largest_group(std::span<const Sphere> spheres, const glm::vec4& eye)
   return members.empty() ? 0 : *std::max_element(members.begin(), members.end());
 }
 
-std::vector<std::uint32_t> blended_first(const Scene& scene) {
-  std::vector<std::uint32_t> objects = blended_objects(scene);
-  for (std::uint32_t object = 0; object < scene.objects.size(); ++object) {
-    if (scene.material_of(object).material.alpha_mode != AlphaMode::blend) objects.push_back(object);
-  }
-  return objects;
-}
-
 MeshPlan plan_object(const Scene& scene, std::uint32_t object, const MeshView& facets, const PlanOptions& options) {
   MeshPlan plan = plan_internal::make_plan(facets, options, {}, false).plan;
   plan.name = scene.objects[object].name;
@@ -76,8 +68,7 @@ MeshPlan plan_mesh(const MeshView& mesh, const PlanOptions& options, const Preso
 }
 
 Result<Plan> plan_scene(const Scene& scene, const PlanOptions& options) {
-  using Clock = std::chrono::steady_clock;
-  const Clock::time_point begin = Clock::now();
+  Stopwatch stopwatch;
   Plan plan;
   plan.blended_objects = blended_objects(scene).size();
   if (plan.blended_objects == 0) {
@@ -97,7 +88,7 @@ Result<Plan> plan_scene(const Scene& scene, const PlanOptions& options) {
       plan.whole.left_out.push_back({"an order of objects", "none overlap on the screen in the views looked at"});
     }
   }
-  plan.plan_ms = std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+  plan.plan_ms = stopwatch.lap();
   return plan;
 }
 

@@ -1,9 +1,9 @@
 #include "facetsort/plan/time_strategies.h"
 
 #include <algorithm>
-#include <chrono>
 #include <limits>
 
+#include "facetsort/base/stopwatch.h"
 #include "facetsort/check/picture_verdict.h"
 #include "facetsort/facets/facets.h"
 
@@ -18,10 +18,9 @@ constexpr double long_ms = 100;
 
 template <typename Run>
 double milliseconds_of(const Run& run) {
-  using Clock = std::chrono::steady_clock;
-  const Clock::time_point begin = Clock::now();
+  Stopwatch stopwatch;
   run();
-  return std::chrono::duration<double, std::milli>(Clock::now() - begin).count();
+  return stopwatch.lap();
 }
 
 }  // namespace

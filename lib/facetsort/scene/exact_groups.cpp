@@ -1,21 +1,15 @@
 #include "facetsort/scene/exact_groups.h"
 
 #include <algorithm>
-#include <chrono>
 #include <optional>
 #include <utility>
 
 #include "facetsort/base/memory.h"
 #include "facetsort/base/parallel.h"
+#include "facetsort/base/stopwatch.h"
 
 namespace facetsort::scene_internal {
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double milliseconds_since(Clock::time_point start) {
-  return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
 
 Slabs slabs_of_object(const MergedMesh& merged, std::size_t k) {
   const MergedObject& object = merged.objects[k];
@@ -117,7 +111,7 @@ void ExactGroups::drop_unused(std::size_t facets) {
 
 ExactGroups::Found ExactGroups::sort(const MergedMesh& merged, const SortView& view, MergedOrder& order) {
   Found found;
-  auto start = Clock::now();
+  Stopwatch stopwatch;
   ++sorts_;
   if (std::exchange(slabs_changed_, false)) object_groups_.set_slabs(slabs_);
   std::vector<Group*> groups, unprepared;
@@ -135,8 +129,7 @@ ExactGroups::Found ExactGroups::sort(const MergedMesh& merged, const SortView& v
   });
   found.groups = groups.size();
   found.prepared_groups = unprepared.size();
-  found.prepare_ms = milliseconds_since(start);
-  start = Clock::now();
+  found.prepare_ms = stopwatch.lap();
   parallel_ranges(groups.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) groups[i]->sort(view);
   });
@@ -145,7 +138,7 @@ ExactGroups::Found ExactGroups::sort(const MergedMesh& merged, const SortView& v
   order.cut_vertices.clear();
   for (const Group* group : groups) group->append_to(order, merged.mesh.positions.size());
   drop_unused(merged.mesh.triangles.size());
-  found.sort_ms = milliseconds_since(start);
+  found.sort_ms = stopwatch.lap();
   return found;
 }
 

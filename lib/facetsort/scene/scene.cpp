@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstddef>
+#include <span>
 
 #include "facetsort/mesh/inspect.h"
 
@@ -10,16 +11,6 @@ namespace {
 
 std::string part(const char* kind, std::size_t index) {
   return std::string(kind) + " " + std::to_string(index);
-}
-
-Status validate(const Texture& texture, std::size_t index) {
-  if (texture.width > 0 && texture.height > 0 &&
-      texture.texels.size() == static_cast<std::size_t>(texture.width) * static_cast<std::size_t>(texture.height)) {
-    return {};
-  }
-  return {Fault::size_mismatch, part("texture", index) + " has " + std::to_string(texture.texels.size()) +
-                                    " texels for " + std::to_string(texture.width) + " x " +
-                                    std::to_string(texture.height)};
 }
 
 Status validate(const SceneMesh& mesh, std::size_t index, std::size_t materials) {
@@ -69,9 +60,7 @@ Status validate(const SceneObject& object, std::size_t index, std::size_t meshes
 }  // namespace
 
 Status validate(const Scene& scene) {
-  for (std::size_t i = 0; i < scene.textures.size(); ++i) {
-    if (Status status = validate(scene.textures[i], i); !status.ok()) return status;
-  }
+  if (Status status = facetsort::validate(std::span(scene.textures)); !status.ok()) return status;
   for (std::size_t i = 0; i < scene.materials.size(); ++i) {
     const std::uint32_t texture = scene.materials[i].material.texture;
     if (texture == Material::no_texture || texture < scene.textures.size()) continue;
@@ -91,6 +80,14 @@ std::vector<std::uint32_t> blended_objects(const Scene& scene) {
   std::vector<std::uint32_t> objects;
   for (std::uint32_t i = 0; i < scene.objects.size(); ++i) {
     if (scene.material_of(i).material.alpha_mode == AlphaMode::blend) objects.push_back(i);
+  }
+  return objects;
+}
+
+std::vector<std::uint32_t> blended_first(const Scene& scene) {
+  std::vector<std::uint32_t> objects = blended_objects(scene);
+  for (std::uint32_t i = 0; i < scene.objects.size(); ++i) {
+    if (scene.material_of(i).material.alpha_mode != AlphaMode::blend) objects.push_back(i);
   }
   return objects;
 }

@@ -65,5 +65,7 @@ Status validate(const Scene& scene);
 
 // Those whose material is blended, by number: what has to be drawn back to front. Precondition: validate(scene) is ok.
 std::vector<std::uint32_t> blended_objects(const Scene& scene);
+// Those, and then all others.
+std::vector<std::uint32_t> blended_first(const Scene& scene);
 
 }  // namespace facetsort

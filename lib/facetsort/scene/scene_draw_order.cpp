@@ -29,11 +29,21 @@ struct DoubleBox {
 };
 
 // Of an object's vertices in its mesh's space: of what the engines bound, the vertices that no facet uses too.
-DoubleBox own_box(const SceneMesh& mesh) {
-  DoubleBox box;
-  for (const glm::vec3& position : mesh.positions) box.add(glm::dvec3(position));
+Box own_box(const SceneMesh& mesh) {
+  Box box{mesh.positions.front(), mesh.positions.front()};
+  for (const glm::vec3& position : mesh.positions) {
+    box.lowest = glm::min(box.lowest, position);
+    box.highest = glm::max(box.highest, position);
+  }
   return box;
 }
+
+// What the items of any engine are made of.
+struct PlacedObjects {
+  const Scene& scene;
+  std::span<const MergedObject> objects;
+  std::span<const Box> boxes;
+};
 
 glm::dvec3 placed(const glm::dmat4& world, const glm::dvec3& point) {
   return glm::dvec3(world * glm::dvec4(point, 1));
@@ -55,19 +65,20 @@ glm::dvec3 forward_of(const SceneCamera& camera) {
 
 // One of an engine's items for each object, by make(object of the scene, its material, its own box).
 template <typename Make>
-auto items_of(const Scene& scene, std::span<const MergedObject> objects, const Make& make) {
+auto items_of(const PlacedObjects& placed_objects, const Make& make) {
+  const auto& [scene, objects, boxes] = placed_objects;
   std::vector<decltype(make(scene.objects[0], scene.materials[0], DoubleBox()))> items;
-  for (const MergedObject& merged : objects) {
-    items.push_back(
-        make(scene.objects[merged.object], scene.material_of(merged.object), own_box(scene.mesh_of(merged.object))));
+  for (std::size_t i = 0; i < objects.size(); ++i) {
+    const std::uint32_t object = objects[i].object;
+    const DoubleBox box{glm::dvec3(boxes[i].lowest), glm::dvec3(boxes[i].highest)};
+    items.push_back(make(scene.objects[object], scene.material_of(object), box));
   }
   return items;
 }
 
-std::vector<ObjectDraw> galacean_draws(const Scene& scene, std::span<const MergedObject> objects,
-                                       const SceneCamera& camera) {
+std::vector<ObjectDraw> galacean_draws(const PlacedObjects& placed_objects, const SceneCamera& camera) {
   const auto items =
-      items_of(scene, objects, [](const SceneObject& object, const SceneMaterial& of, const DoubleBox& own) {
+      items_of(placed_objects, [](const SceneObject& object, const SceneMaterial& of, const DoubleBox& own) {
         const DoubleBox box = world_box(object, own);
         const Material& material = of.material;
         GalaceanItem item{.bounds_min = box.lowest, .bounds_max = box.highest};
@@ -81,9 +92,8 @@ std::vector<ObjectDraw> galacean_draws(const Scene& scene, std::span<const Merge
   return galacean_draw_order(items, {camera.eye, forward_of(camera), !camera.perspective});
 }
 
-std::vector<ObjectDraw> babylon_draws(const Scene& scene, std::span<const MergedObject> objects,
-                                      const SceneCamera& camera) {
-  auto items = items_of(scene, objects, [](const SceneObject& object, const SceneMaterial& of, const DoubleBox& own) {
+std::vector<ObjectDraw> babylon_draws(const PlacedObjects& placed_objects, const SceneCamera& camera) {
+  auto items = items_of(placed_objects, [](const SceneObject& object, const SceneMaterial& of, const DoubleBox& own) {
     const Material& material = of.material;
     BabylonSubMesh item;
     item.bounding_sphere_centre_world = placed(object.world, own.centre());
@@ -95,15 +105,14 @@ std::vector<ObjectDraw> babylon_draws(const Scene& scene, std::span<const Merged
     return item;
   });
   for (std::size_t i = 0; i < items.size(); ++i) {
-    items[i].mesh_unique_id = objects[i].object;
-    items[i].mesh_material_unique_id = scene.mesh_of(objects[i].object).material;
+    items[i].mesh_unique_id = placed_objects.objects[i].object;
+    items[i].mesh_material_unique_id = placed_objects.scene.mesh_of(placed_objects.objects[i].object).material;
   }
   return babylon_draw_order(items, {.camera_global_position = camera.eye});
 }
 
-std::vector<ObjectDraw> three_draws(const Scene& scene, std::span<const MergedObject> objects,
-                                    const SceneCamera& camera) {
-  auto items = items_of(scene, objects, [](const SceneObject& object, const SceneMaterial& of, const DoubleBox& own) {
+std::vector<ObjectDraw> three_draws(const PlacedObjects& placed_objects, const SceneCamera& camera) {
+  auto items = items_of(placed_objects, [](const SceneObject& object, const SceneMaterial& of, const DoubleBox& own) {
     const Material& material = of.material;
     ThreeItem item{.matrix_world = object.world, .bounding_sphere_centre = own.centre()};
     item.material.transmission = of.transmissive ? 1 : 0;
@@ -113,8 +122,8 @@ std::vector<ObjectDraw> three_draws(const Scene& scene, std::span<const MergedOb
     return item;
   });
   for (std::size_t i = 0; i < items.size(); ++i) {
-    items[i].id = objects[i].object;
-    items[i].material.id = scene.mesh_of(objects[i].object).material;
+    items[i].id = placed_objects.objects[i].object;
+    items[i].material.id = placed_objects.scene.mesh_of(placed_objects.objects[i].object).material;
   }
   // Clip-space z grows with the distance along the axis wherever near and far are.
   constexpr double nearest = 1e-3, farthest = 1e3;
@@ -127,15 +136,15 @@ std::vector<ObjectDraw> three_draws(const Scene& scene, std::span<const MergedOb
   return three_draw_order(items, engine_camera);
 }
 
-std::vector<ObjectDraw> panda3d_draws(const Scene& scene, std::span<const MergedObject> objects,
-                                      const SceneCamera& camera) {
-  auto items = items_of(scene, objects, [](const SceneObject& object, const SceneMaterial& of, const DoubleBox& own) {
+std::vector<ObjectDraw> panda3d_draws(const PlacedObjects& placed_objects, const SceneCamera& camera) {
+  auto items = items_of(placed_objects, [](const SceneObject& object, const SceneMaterial& of, const DoubleBox& own) {
     const Material& material = of.material;
     return Panda3DItem{.transparency = material.alpha_mode == AlphaMode::blend,
                        .bounds_centre = world_box(object, own).centre(),
                        .two_sided = material.double_sided};
   });
-  for (std::size_t i = 0; i < items.size(); ++i) items[i].state = scene.mesh_of(objects[i].object).material;
+  for (std::size_t i = 0; i < items.size(); ++i)
+    items[i].state = placed_objects.scene.mesh_of(placed_objects.objects[i].object).material;
   return panda3d_draw_order(items, {camera.eye, forward_of(camera)}).value();  // no bin but the default ones
 }
 
@@ -159,21 +168,26 @@ std::optional<DrawOrderRule> draw_order_rule_from_name(std::string_view name) {
   return std::nullopt;
 }
 
-std::vector<ObjectDraw> scene_draw_order(DrawOrderRule rule, const Scene& scene, std::span<const MergedObject> objects,
-                                         const SceneCamera& camera) {
+SceneDrawOrder::SceneDrawOrder(const Scene& scene, std::span<const MergedObject> objects)
+    : scene_(&scene), objects_(objects) {
+  for (const MergedObject& object : objects) boxes_.push_back(own_box(scene.mesh_of(object.object)));
+}
+
+std::vector<ObjectDraw> SceneDrawOrder::find(DrawOrderRule rule, const SceneCamera& camera) const {
+  const PlacedObjects placed_objects{*scene_, objects_, boxes_};
   std::vector<ObjectDraw> draws;
   switch (rule) {
     case DrawOrderRule::galacean:
-      draws = galacean_draws(scene, objects, camera);
+      draws = galacean_draws(placed_objects, camera);
       break;
     case DrawOrderRule::babylon:
-      draws = babylon_draws(scene, objects, camera);
+      draws = babylon_draws(placed_objects, camera);
       break;
     case DrawOrderRule::three:
-      draws = three_draws(scene, objects, camera);
+      draws = three_draws(placed_objects, camera);
       break;
     case DrawOrderRule::panda3d:
-      draws = panda3d_draws(scene, objects, camera);
+      draws = panda3d_draws(placed_objects, camera);
       break;
   }
   std::erase_if(draws, [](const ObjectDraw& draw) { return draw.transmission_pass; });

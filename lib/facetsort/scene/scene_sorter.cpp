@@ -1,7 +1,6 @@
 #include "facetsort/scene/scene_sorter.h"
 
 #include <cassert>
-#include <chrono>
 #include <limits>
 #include <optional>
 #include <string>
@@ -10,6 +9,7 @@
 
 #include "facetsort/base/memory.h"
 #include "facetsort/base/parallel.h"
+#include "facetsort/base/stopwatch.h"
 #include "facetsort/scene/exact_groups.h"
 
 namespace facetsort {
@@ -19,18 +19,6 @@ using scene_internal::ExactGroups, scene_internal::MergedOrder;
 namespace {
 
 constexpr std::size_t triangles_per_task = 16384;
-
-class Stopwatch {
- public:
-  double lap() {
-    const Clock::time_point now = Clock::now();
-    return std::chrono::duration<double, std::milli>(now - std::exchange(start_, now)).count();
-  }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  Clock::time_point start_ = Clock::now();
-};
 
 }  // namespace
 
@@ -52,7 +40,7 @@ struct SceneSorter::State {
 
   void sort_by_keys(const SortView& view);
   void sort_exactly(const SortView& view);
-  void find_objects();
+  void find_objects(std::span<const std::uint32_t> of_facets);
   std::span<const glm::vec3> all_positions();
   void write(std::span<const std::uint32_t> places);
 };
@@ -80,10 +68,10 @@ void SceneSorter::State::sort_exactly(const SortView& view) {
   statistics.sort_ms = found.sort_ms;
 }
 
-void SceneSorter::State::find_objects() {
-  objects.resize(order.facets.size());
+void SceneSorter::State::find_objects(std::span<const std::uint32_t> of_facets) {
+  objects.resize(of_facets.size());
   parallel_ranges(objects.size(), triangles_per_task, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) objects[k] = merged.facet_objects[order.facets[k]];
+    for (std::size_t k = begin; k < end; ++k) objects[k] = merged.facet_objects[of_facets[k]];
   });
 }
 
@@ -98,7 +86,6 @@ std::span<const glm::vec3> SceneSorter::State::all_positions() {
 void SceneSorter::State::write(std::span<const std::uint32_t> places) {
   indices.resize(3 * order.triangles.size());
   facets.resize(order.triangles.size());
-  std::vector<std::uint32_t>& drawn_objects = objects;
   parallel_ranges(facets.size(), triangles_per_task, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       const std::size_t place = places.empty() ? k : places[k];
@@ -106,10 +93,8 @@ void SceneSorter::State::write(std::span<const std::uint32_t> places) {
       facets[k] = order.facets[place];
     }
   });
-  parallel_ranges(facets.size(), triangles_per_task, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t k = begin; k < end; ++k) drawn_objects[k] = merged.facet_objects[facets[k]];
-  });
-  find_draw_runs(drawn_objects, runs);
+  find_objects(facets);
+  find_draw_runs(objects, runs);
 }
 
 Result<SceneSorter> SceneSorter::create(const Scene& scene, std::span<const std::uint32_t> objects,
@@ -172,7 +157,7 @@ SceneOrder SceneSorter::sort(const SortView& view) {
     state.sort_by_keys(view);
   }
   Stopwatch stopwatch;
-  state.find_objects();
+  state.find_objects(state.order.facets);
   SceneStatistics& statistics = state.statistics;
   statistics.triangles = state.order.triangles.size();
   statistics.runs_as_found = count_draw_runs(state.objects);

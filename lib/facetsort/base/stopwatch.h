@@ -1,14 +1,14 @@
-// Internal to exact: timing of phases.
+// Timing of phases.
 #pragma once
 
 #include <chrono>
 #include <utility>
 
-namespace facetsort::exact_internal {
+namespace facetsort {
 
 class Stopwatch {
  public:
-  // Milliseconds since it was made, or since the last lap.
+  // Milliseconds of wall clock since it was made, or since the last lap.
   double lap() {
     const Clock::time_point now = Clock::now();
     return std::chrono::duration<double, std::milli>(now - std::exchange(start_, now)).count();
@@ -19,4 +19,4 @@ class Stopwatch {
   Clock::time_point start_ = Clock::now();
 };
 
-}  // namespace facetsort::exact_internal
+}  // namespace facetsort
