@@ -22,8 +22,8 @@ namespace {
 using Sources = std::map<std::string, std::string>;
 
 // In pipeline order: a folder includes itself and what stands before it.
-constexpr std::array folders{"base",  "mesh",  "facets",  "order", "exact",  "scene",
-                             "blend", "check", "presort", "plan",  "report", "c"};
+constexpr std::array library_folders{"base",  "mesh",  "facets",  "order", "exact",  "scene",
+                                     "blend", "check", "presort", "plan",  "report", "c"};
 
 // A package and a folder that may include its headers, in a single file of it where `single_file`.
 struct PackageHome {
@@ -65,9 +65,9 @@ std::string folder_of(const std::string& path) {
 }
 
 std::optional<std::size_t> place_of(const std::string& folder) {
-  const auto found = std::find(folders.begin(), folders.end(), folder);
-  if (found == folders.end()) return std::nullopt;
-  return static_cast<std::size_t>(found - folders.begin());
+  const auto found = std::find(library_folders.begin(), library_folders.end(), folder);
+  if (found == library_folders.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - library_folders.begin());
 }
 
 bool is_header(const std::string& path) {

@@ -55,14 +55,14 @@ std::vector<std::string> unfinished_marks(std::string_view text) {
 }
 
 // Binary files say what they are in text, if anywhere, before their first zero byte.
-std::string text_of(const std::filesystem::path& file) {
+std::string readable_text_of(const std::filesystem::path& file) {
   const std::string bytes = read_project_file(file);
   return bytes.substr(0, bytes.find('\0'));
 }
 
 // A mesh's numbers look like nothing else and take long to search; what it says of itself is in its header.
 std::string prose_of(const std::filesystem::path& file) {
-  const std::string text = text_of(file);
+  const std::string text = readable_text_of(file);
   return file.extension() == ".ply" ? text.substr(0, text.find("end_header")) : text;
 }
 

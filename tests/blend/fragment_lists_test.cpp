@@ -6,6 +6,7 @@
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "blend/pictures.h"
 #include "facetsort/exact/predicates.h"
 #include "shapes.h"
 #include "support/mesh_files.h"
@@ -13,12 +14,6 @@
 
 namespace facetsort {
 namespace {
-
-View sized(View view, int width, int height) {
-  view.width = width;
-  view.height = height;
-  return view;
-}
 
 View view_from(const Mesh& mesh, const glm::vec3& direction, float radii, Projection projection, int width = 96,
                int height = 80) {

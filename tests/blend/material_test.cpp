@@ -10,6 +10,7 @@
 #include <numeric>
 #include <vector>
 
+#include "blend/pictures.h"
 #include "facetsort/blend/fragment_lists.h"
 #include "facetsort/blend/rasteriser.h"
 #include "facetsort/blend/shading.h"
@@ -27,45 +28,45 @@ void expect_near(const glm::vec4& a, const glm::vec4& b, float tolerance = 1e-6f
   for (int channel = 0; channel < 4; ++channel) EXPECT_NEAR(a[channel], b[channel], tolerance) << channel;
 }
 
-const glm::vec4 red(1, 0, 0, 1), blue(0, 0, 1, 0.5f);
+const glm::vec4 opaque_red(1, 0, 0, 1), half_blue(0, 0, 1, 0.5f);
 
 Texture red_and_blue(Wrap wrap) {
-  return {.width = 2, .height = 1, .texels = {red, blue}, .wrap_u = wrap, .wrap_v = wrap};
+  return {.width = 2, .height = 1, .texels = {opaque_red, half_blue}, .wrap_u = wrap, .wrap_v = wrap};
 }
 
 // Centres of the two texels are at 1/4 and 3/4.
 TEST(TextureSample, WeighsTheTexelsAround) {
   const Texture texture = red_and_blue(Wrap::clamp_to_edge);
-  expect_near(sample(texture, {0.25, 0.5}), red);
-  expect_near(sample(texture, {0.75, 0.5}), blue);
-  expect_near(sample(texture, {0.5, 0.5}), (red + blue) / 2.0f);
-  expect_near(sample(texture, {0.375, 0.1}), red * 0.75f + blue * 0.25f);
+  expect_near(sample(texture, {0.25, 0.5}), opaque_red);
+  expect_near(sample(texture, {0.75, 0.5}), half_blue);
+  expect_near(sample(texture, {0.5, 0.5}), (opaque_red + half_blue) / 2.0f);
+  expect_near(sample(texture, {0.375, 0.1}), opaque_red * 0.75f + half_blue * 0.25f);
 }
 
 TEST(TextureSample, WrapsAsTheModeSays) {
-  const glm::vec4 middle = (red + blue) / 2.0f;
+  const glm::vec4 middle = (opaque_red + half_blue) / 2.0f;
   const auto at = [](Wrap wrap, double u) { return sample(red_and_blue(wrap), {u, 0.5}); };
-  expect_near(at(Wrap::clamp_to_edge, 0), red);
-  expect_near(at(Wrap::clamp_to_edge, -7.3), red);
-  expect_near(at(Wrap::clamp_to_edge, 7.3), blue);
+  expect_near(at(Wrap::clamp_to_edge, 0), opaque_red);
+  expect_near(at(Wrap::clamp_to_edge, -7.3), opaque_red);
+  expect_near(at(Wrap::clamp_to_edge, 7.3), half_blue);
   expect_near(at(Wrap::repeat, 0), middle);
   expect_near(at(Wrap::repeat, 1), middle);
-  expect_near(at(Wrap::repeat, 5.25), red);
-  expect_near(at(Wrap::repeat, -0.25), blue);
-  expect_near(at(Wrap::mirrored_repeat, 0), red);
-  expect_near(at(Wrap::mirrored_repeat, 1), blue);
-  expect_near(at(Wrap::mirrored_repeat, 1.25), blue);
-  expect_near(at(Wrap::mirrored_repeat, 1.75), red);
-  expect_near(at(Wrap::mirrored_repeat, -0.75), blue);
+  expect_near(at(Wrap::repeat, 5.25), opaque_red);
+  expect_near(at(Wrap::repeat, -0.25), half_blue);
+  expect_near(at(Wrap::mirrored_repeat, 0), opaque_red);
+  expect_near(at(Wrap::mirrored_repeat, 1), half_blue);
+  expect_near(at(Wrap::mirrored_repeat, 1.25), half_blue);
+  expect_near(at(Wrap::mirrored_repeat, 1.75), opaque_red);
+  expect_near(at(Wrap::mirrored_repeat, -0.75), half_blue);
   for (const Wrap wrap : {Wrap::repeat, Wrap::mirrored_repeat}) {  // somewhere in the texture
     EXPECT_NEAR(at(wrap, 1e30).r + at(wrap, 1e30).b, 1, 1e-6);
   }
 }
 
 TEST(TextureSample, RowsGoDown) {
-  const Texture texture{.width = 1, .height = 2, .texels = {red, blue}};
-  expect_near(sample(texture, {0.5, 0.25}), red);
-  expect_near(sample(texture, {0.5, 0.75}), blue);
+  const Texture texture{.width = 1, .height = 2, .texels = {opaque_red, half_blue}};
+  expect_near(sample(texture, {0.5, 0.25}), opaque_red);
+  expect_near(sample(texture, {0.5, 0.75}), half_blue);
 }
 
 // Two triangles that make the square from (-1, -1) to (1, 1) at height z, texture coordinates 0 to 1 from its upper
@@ -184,15 +185,6 @@ View shell_view(const Mesh& mesh, int size) {
   return view;
 }
 
-// Pixels that differ by more than the tolerance in some channel.
-std::size_t pixels_off(const Image& a, const Image& b, float tolerance) {
-  std::size_t off = 0;
-  for (std::size_t pixel = 0; pixel < a.pixels.size(); ++pixel) {
-    const glm::vec4 difference = glm::abs(a.pixels[pixel] - b.pixels[pixel]);
-    off += std::max({difference.r, difference.g, difference.b, difference.a}) > tolerance;
-  }
-  return off;
-}
 
 TEST(Materials, StrategiesThatAreExactDrawTheReference) {
   for (const bool with_vertex_colours : {false, true}) {

@@ -7,12 +7,11 @@
 #include <random>
 #include <vector>
 
+#include "blend/pictures.h"
 #include "blend/sheets.h"
 
 namespace facetsort {
 namespace {
-
-constexpr glm::vec3 red(1, 0, 0), green(0, 1, 0), blue(0, 0, 1);
 
 using Vector = std::vector<double>;
 
@@ -117,13 +116,6 @@ glm::vec4 by_formula(std::span<const Sheet> layers, int count, Projection projec
   }
   const double through = std::exp(-total);
   return glm::vec4((1 - through) / sum.a * sum + through * glm::dvec4(clear_colour));
-}
-
-void expect_colour(const Image& image, const glm::vec4& expected, float tolerance) {
-  ASSERT_FALSE(image.pixels.empty());
-  for (const glm::vec4& pixel : image.pixels) {
-    for (int k = 0; k < 4; ++k) ASSERT_NEAR(pixel[k], expected[k], tolerance) << "channel " << k;
-  }
 }
 
 // Two points are what four moments (of three: six) can be of: the measure is found as it is, but for the bias. So a

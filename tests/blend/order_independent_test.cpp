@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "blend/pictures.h"
 #include "blend/sheets.h"
 #include "facetsort/blend/fragment_lists.h"
 #include "facetsort/blend/shading.h"
@@ -15,15 +16,7 @@
 namespace facetsort {
 namespace {
 
-constexpr glm::vec3 red(1, 0, 0), green(0, 1, 0), blue(0, 0, 1);
-constexpr glm::vec4 white(1);
-
-void expect_colour(const Image& image, const glm::vec4& expected, float tolerance = 1e-5f) {
-  ASSERT_FALSE(image.pixels.empty());
-  for (const glm::vec4& pixel : image.pixels) {
-    for (int k = 0; k < 4; ++k) ASSERT_NEAR(pixel[k], expected[k], tolerance) << "channel " << k;
-  }
-}
+constexpr glm::vec4 opaque_white(1);
 
 Image draw_passes(std::span<const Sheet> layers, const DrawPass& pass, const glm::vec4& clear_colour,
                   PixelFormat format = PixelFormat::rgba32f) {
@@ -69,7 +62,7 @@ TEST(WeightedBlended, IsTheWeightedAverageByHand) {
   //   10 / (1e-5 + 10^2 + 0.25^6) = 0.0999997     10 / (1e-5 + 20^2 + 0.5^6) = 0.0249990
   // Alphas are equal: red has 0.0999997 / 0.1249987 = 0.8000061 of the average, green 0.1999939; opacity 1 - 0.5^2.
   const Sheet layers[] = {{10, green, 0.5f}, {5, red, 0.5f}};
-  const Image image = draw_sheets(layers, sheets_view(), OrderIndependent::weighted, 0, white);
+  const Image image = draw_sheets(layers, sheets_view(), OrderIndependent::weighted, 0, opaque_white);
   expect_colour(image, {0.75f * 0.8000061f + 0.25f, 0.75f * 0.1999939f + 0.25f, 0.25f, 1});
 }
 
@@ -183,13 +176,6 @@ TEST(OrderIndependent, AnOpaqueLayerHidesAllBehindIt) {
   const Sheet layers[] = {{8, green, 1}, {4, red, 1}, {9, blue, 0.5f}};
   expect_colour(draw_sheets(layers, sheets_view(), OrderIndependent::layers, 3), {1, 0, 0, 1}, 1e-6f);
   expect_colour(draw_sheets(layers, sheets_view(), OrderIndependent::stochastic, 4), {1, 0, 0, 1}, 1e-6f);
-}
-
-View view_of(const Mesh& mesh, Projection projection = Projection::perspective) {
-  const Box box = facet_bounds(mesh.view());
-  View view = default_view(box, box.centre() + 2.5f * box.radius() * glm::vec3(0.48f, 0.36f, 0.8f), projection);
-  view.width = view.height = 128;
-  return view;
 }
 
 Image picture(const Mesh& mesh, const View& view, const char* name) {

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "facetsort/blend/fragment_lists.h"
+#include "blend/pictures.h"
 #include "facetsort/blend/rasteriser.h"
 #include "facetsort/blend/shading.h"
 #include "facetsort/blend/strategy.h"
@@ -16,13 +17,6 @@ namespace facetsort {
 namespace {
 
 constexpr Strategy both[] = {{.kind = StrategyKind::depth_peeling}, {.kind = StrategyKind::dual_depth_peeling}};
-
-View view_of(const Mesh& mesh, Projection projection, int size = 160) {
-  const Box box = facet_bounds(mesh.view());
-  View view = default_view(box, box.centre() + 2.5f * box.radius() * glm::vec3(0.48f, 0.36f, 0.8f), projection);
-  view.width = view.height = size;
-  return view;
-}
 
 std::size_t most_layers(const FragmentLists& lists) {
   std::size_t most = 0;

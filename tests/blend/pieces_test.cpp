@@ -11,6 +11,7 @@
 #include <optional>
 #include <random>
 
+#include "blend/pictures.h"
 #include "facetsort/blend/fragment_lists.h"
 #include "facetsort/blend/rasteriser.h"
 #include "facetsort/blend/shading.h"
@@ -239,12 +240,6 @@ void expect_exact_pieces(const CutMesh& cut, const View& view, std::mt19937& ran
   expect_same_pixels(draw(cut, view, order, colours), blended_by_rank(view, lists, ranks, colours));
 }
 
-View sized(View view, int width, int height) {
-  view.width = width;
-  view.height = height;
-  return view;
-}
-
 Mesh scaled(Mesh mesh, float scale) {
   for (glm::vec3& position : mesh.positions) position *= scale;
   return mesh;
@@ -384,14 +379,6 @@ TEST(Pieces, CoverWhatTheirFacetsCoverOnAMeshOfManyTiles) {
       ASSERT_EQ(image.pixels[pixel], expected) << "pixel " << pixel;
     }
   }
-}
-
-Mesh with_vertex_colours(Mesh mesh) {
-  for (const glm::vec3& position : mesh.positions) {
-    const glm::vec3 wave = 0.5f + 0.5f * glm::sin(position * 5.0f);
-    mesh.vertex_colours.emplace_back(wave, 0.2f + 0.6f * wave.x);
-  }
-  return mesh;
 }
 
 TEST(Pieces, OfAFacetDrawnOneAfterTheOtherAreThePictureOfTheWhole) {

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "blend/pictures.h"
 #include "facetsort/blend/fragment_lists.h"
 #include "facetsort/blend/shading.h"
 #include "facetsort/blend/strategy.h"
@@ -167,14 +168,6 @@ TEST(Rasteriser, DrawsWhatTheListsSayInAnyOrder) {
     }
     ASSERT_EQ(image.pixels[pixel], blended) << "pixel " << pixel;
   }
-}
-
-Mesh with_vertex_colours(Mesh mesh) {
-  for (const glm::vec3& position : mesh.positions) {
-    const glm::vec3 wave = 0.5f + 0.5f * glm::sin(position * 5.0f);
-    mesh.vertex_colours.emplace_back(wave, 0.2f + 0.6f * wave.x);
-  }
-  return mesh;
 }
 
 // A wavy sheet over [-1, 1]^2: seen from above, one layer.

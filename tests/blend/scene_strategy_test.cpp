@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "facetsort/blend/strategy.h"
+#include "blend/pictures.h"
 #include "shapes.h"
 
 namespace facetsort {
@@ -56,15 +57,6 @@ struct MergedScene {
     return image;
   }
 };
-
-std::size_t pixels_off(const Image& a, const Image& b) {
-  std::size_t off = 0;
-  for (std::size_t pixel = 0; pixel < a.pixels.size(); ++pixel) {
-    const glm::vec4 difference = glm::abs(a.pixels[pixel] - b.pixels[pixel]);
-    off += std::max({difference.r, difference.g, difference.b}) > 1e-4f;
-  }
-  return off;
-}
 
 // Two spheres one behind the other, an opaque box that sticks out of one of them, and a knot through the other.
 Scene mixed_scene(bool double_sided) {

@@ -6,6 +6,7 @@
 #include <set>
 #include <vector>
 
+#include "blend/pictures.h"
 #include "blend/sheets.h"
 #include "facetsort/blend/sample_masks.h"
 
@@ -13,8 +14,6 @@ namespace facetsort {
 namespace {
 
 using blend_internal::SampleMasks;
-
-constexpr glm::vec3 red(1, 0, 0), green(0, 1, 0), blue(0, 0, 1);
 
 SampleMasks masks_of(int samples) {
   SampleMasks masks;

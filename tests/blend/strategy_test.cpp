@@ -7,19 +7,13 @@
 #include <set>
 #include <utility>
 
+#include "blend/pictures.h"
 #include "facetsort/blend/shading.h"
 #include "shapes.h"
 #include "support/mesh_files.h"
 
 namespace facetsort {
 namespace {
-
-View view_of(const Mesh& mesh, Projection projection = Projection::perspective) {
-  const Box box = facet_bounds(mesh.view());
-  View view = default_view(box, box.centre() + 2.5f * box.radius() * glm::vec3(0.48f, 0.36f, 0.8f), projection);
-  view.width = view.height = 128;
-  return view;
-}
 
 Image picture(const Mesh& mesh, const View& view, const Strategy& strategy) {
   StrategyRenderer renderer(mesh.view(), strategy);

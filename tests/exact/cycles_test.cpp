@@ -112,15 +112,15 @@ class CycleOf {
   std::vector<HidingPair> pairs_;
 };
 
-constexpr std::size_t no_limit = 1'000'000;
-const Viewpoint above[] = {{Eye(0, 0, 4, 1), false}, {Eye(0, 0, 1, 0), false}, {Eye(0, 0, 4, 1), true}};
+constexpr std::size_t no_cut_limit = 1'000'000;
+const Viewpoint from_above[] = {{Eye(0, 0, 4, 1), false}, {Eye(0, 0, 1, 0), false}, {Eye(0, 0, 4, 1), true}};
 
 TEST(OrderCycle, CutsTheClassicThreeOnce) {
-  for (const Viewpoint& from : above) {
+  for (const Viewpoint& from : from_above) {
     const CycleOf three(shapes::triangle_cycle(3), from);
     ASSERT_TRUE(three.has_cycle());
     EXPECT_EQ(three.pairs().size(), 3u);
-    const OrderedCycle ordered = three.order(no_limit);
+    const OrderedCycle ordered = three.order(no_cut_limit);
     three.expect_ordered(ordered);
     EXPECT_EQ(ordered.cuts, 1u);
     EXPECT_EQ(ordered.order.size(), 4u);
@@ -128,31 +128,31 @@ TEST(OrderCycle, CutsTheClassicThreeOnce) {
 }
 
 TEST(OrderCycle, OrdersLargerOnes) {
-  for (const Viewpoint& from : above) {
+  for (const Viewpoint& from : from_above) {
     for (const int n : {4, 9, 40}) {
       const CycleOf ring(shapes::triangle_cycle(n), from);
       ASSERT_TRUE(ring.has_cycle());
-      const OrderedCycle ordered = ring.order(no_limit);
+      const OrderedCycle ordered = ring.order(no_cut_limit);
       ring.expect_ordered(ordered);
       EXPECT_EQ(ordered.cuts, 1u);
     }
   }
   const CycleOf comb(shapes::comb(20), {Eye(1, 0.5f, 5, 1), false});
   ASSERT_TRUE(comb.has_cycle());
-  comb.expect_ordered(comb.order(no_limit));
+  comb.expect_ordered(comb.order(no_cut_limit));
   const CycleOf mat(shapes::woven_mat(3), {Eye(1, 1, 6, 1), false});
   ASSERT_TRUE(mat.has_cycle());
-  mat.expect_ordered(mat.order(no_limit));
+  mat.expect_ordered(mat.order(no_cut_limit));
 }
 
 TEST(OrderCycle, GivesUpWhereTooManyCutsAreNeeded) {
-  const CycleOf three(shapes::triangle_cycle(3), above[0]);
+  const CycleOf three(shapes::triangle_cycle(3), from_above[0]);
   EXPECT_TRUE(three.order(0).gave_up);
   EXPECT_FALSE(three.order(1).gave_up);
   const CycleOf mat(shapes::woven_mat(4), {Eye(1.5f, 1.5f, 8, 1), false});
   EXPECT_TRUE(mat.order(3).gave_up);
   // What counts is what is left once needless cuts are undone.
-  const std::size_t needed = mat.order(no_limit).cuts;
+  const std::size_t needed = mat.order(no_cut_limit).cuts;
   EXPECT_FALSE(mat.order(needed).gave_up);
   EXPECT_TRUE(mat.order(needed - 1).gave_up);
 }
@@ -160,10 +160,10 @@ TEST(OrderCycle, GivesUpWhereTooManyCutsAreNeeded) {
 // Large enough for planes to be judged by several threads.
 TEST(OrderCycle, IsTheSameForAnyThreadCount) {
   const CycleOf mat(shapes::woven_mat(14), {Eye(6.5f, 6.5f, 20, 1), false});
-  const OrderedCycle expected = mat.order(no_limit);
+  const OrderedCycle expected = mat.order(no_cut_limit);
   mat.expect_ordered(expected);
   for (const int threads : {1, 2, 3, 8}) {
-    const OrderedCycle again = with_threads(threads, [&] { return mat.order(no_limit); });
+    const OrderedCycle again = with_threads(threads, [&] { return mat.order(no_cut_limit); });
     ASSERT_EQ(again.order.size(), expected.order.size());
     for (std::size_t i = 0; i < expected.order.size(); ++i) {
       ASSERT_EQ(again.order[i].member, expected.order[i].member);

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 
-#include <limits>
 #include <random>
 
 #include "facetsort/mesh/inspect.h"
@@ -11,12 +10,10 @@
 #include "mesh/encode.h"
 #include "mesh/temporary_folder.h"
 #include "support/permission.h"
+#include "support/special_floats.h"
 
 namespace facetsort {
 namespace {
-
-constexpr float nan = std::numeric_limits<float>::quiet_NaN();
-constexpr float infinity = std::numeric_limits<float>::infinity();
 
 void expect_fault(const std::filesystem::path& path, Fault fault, const std::string& message) {
   const Result<Mesh> mesh = read_mesh(path);

@@ -12,12 +12,10 @@
 
 #include "facetsort/mesh/mesh.h"
 #include "support/mesh_files.h"
+#include "support/special_floats.h"
 
 namespace facetsort {
 namespace {
-
-constexpr float nan = std::numeric_limits<float>::quiet_NaN();
-constexpr float infinity = std::numeric_limits<float>::infinity();
 
 // Side 2 around the origin, wound outwards.
 Mesh cube() {

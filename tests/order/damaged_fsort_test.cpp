@@ -9,12 +9,11 @@
 #include "facetsort/order/presorted_mesh.h"
 #include "order/fsort_bytes.h"
 #include "order/presorted_samples.h"
+#include "support/special_floats.h"
 
 namespace facetsort {
 namespace {
 
-constexpr float nan = std::numeric_limits<float>::quiet_NaN();
-constexpr float infinity = std::numeric_limits<float>::infinity();
 constexpr std::uint32_t top = std::numeric_limits<std::uint32_t>::max();
 
 FileContent whole_file() {

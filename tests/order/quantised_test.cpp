@@ -42,7 +42,7 @@ void expect_near(std::span<const std::uint32_t> quantised, std::span<const std::
   }
 }
 
-std::vector<SortView> views_of(const Mesh& mesh) {
+std::vector<SortView> outside_views(const Mesh& mesh) {
   const Box box = facet_bounds(mesh.view());
   std::vector<SortView> views{{glm::vec4(0, 0, 1, 0), glm::vec3(0, 0, -1)}};
   for (const glm::vec3& direction : {glm::vec3(0.36f, 0.48f, 0.8f), glm::vec3(-0.8f, 0.36f, 0.48f)}) {
@@ -59,7 +59,7 @@ TEST(Quantised, NoFacetIsFarFromItsPlaceHoweverDepthsAreSpread) {
       Sorter quantised(mesh.view(), options);
       options.precision = Precision::whole;
       Sorter whole(mesh.view(), options);
-      for (const SortView& view : views_of(mesh)) {
+      for (const SortView& view : outside_views(mesh)) {
         expect_near(quantised.sort(view), whole.sort(view), mesh.triangles.size());
       }
     }
@@ -86,7 +86,7 @@ TEST(Quantised, LeavesOutWhatWholeKeysLeaveOut) {
   Sorter quantised(mesh.view(), options);
   options.precision = Precision::whole;
   Sorter whole(mesh.view(), options);
-  for (SortView view : views_of(mesh)) {
+  for (SortView view : outside_views(mesh)) {
     view.clip_planes = planes;
     const Ids expected = copy(whole.sort(view));
     ASSERT_LT(expected.size(), mesh.triangles.size() / 2);
@@ -104,7 +104,7 @@ TEST(Quantised, RangesAreSortedByThemselves) {
   const auto count = static_cast<std::uint32_t>(mesh.triangles.size());
   std::vector<FacetRange> ranges{{0, 150000}};
   for (std::uint32_t first = 150001; first + 20000 < count; first += 20000) ranges.push_back({first, 19999});
-  const SortView view = views_of(mesh)[1];
+  const SortView view = outside_views(mesh)[1];
   const auto sorted = [&](Precision precision, int threads) {
     Sorter sorter(mesh.view(), {.precision = precision});
     Ids indices(3 * mesh.triangles.size()), ids(mesh.triangles.size()), counts(ranges.size());

@@ -27,7 +27,7 @@ SortView view_from(const Mesh& mesh, const glm::vec3& direction, float radii) {
   return {glm::vec4(box.centre() + radii * box.radius() * direction, 1), -direction};
 }
 
-std::vector<SortView> views_of(const Mesh& mesh) {
+std::vector<SortView> inside_and_outside_views(const Mesh& mesh) {
   return {view_from(mesh, glm::vec3(0.36f, 0.48f, 0.8f), 2.5f),
           view_from(mesh, glm::vec3(-0.8f, 0.36f, 0.48f), 0.3f),
           view_from(mesh, glm::vec3(0.48f, -0.8f, 0.36f), 50),
@@ -80,7 +80,7 @@ Ids culled_indices(const Mesh& mesh, Precision precision) {
                               .precision = precision,
                               .cull_back_faces = true,
                               .cull_by_clip_planes = true});
-  SortView view = views_of(mesh)[1];
+  SortView view = inside_and_outside_views(mesh)[1];
   const glm::vec3 eye(view.eye);
   const std::array planes = clip_planes_of(glm::perspective(0.7f, 1.0f, 0.01f, 100.0f) *
                                            glm::lookAt(eye, eye + view.forward, glm::vec3(0, 1, 0)));
@@ -99,7 +99,7 @@ std::uint64_t hash_of_everything() {
         Sorter sorter(mesh.view(), {.method = method,
                                     .precision = precision,
                                     .cull_back_faces = method == Method::bounds_centre});
-        for (const SortView& view : views_of(mesh)) sum = hash(sum, sorter.sort(view));
+        for (const SortView& view : inside_and_outside_views(mesh)) sum = hash(sum, sorter.sort(view));
       }
       sum = hash(sum, culled_indices(mesh, precision));
     }
@@ -133,7 +133,7 @@ TEST(SorterOutput, WritesIndicesAndIdsAndNothingBehindThem) {
   for (const auto& [of_case, precision] : cases) {
     const Mesh* mesh = of_case;  // clang 14 lets no lambda take a binding
     Sorter sorter(mesh->view(), {.precision = precision, .cull_back_faces = true});
-    const SortView view = views_of(*mesh)[0];
+    const SortView view = inside_and_outside_views(*mesh)[0];
     const Ids order = copy(sorter.sort(view));
     ASSERT_LT(order.size(), mesh->triangles.size());
     const auto expect = [&]<typename Index>(Index untouched) {
@@ -156,7 +156,7 @@ TEST(SorterOutput, FrontToBackIsTheOtherWayRoundButForTies) {
   const Mesh mesh = load("hand_2k");
   Sorter back(mesh.view(), {.precision = Precision::whole}),
       front(mesh.view(), {.direction = Direction::front_to_back, .precision = Precision::whole});
-  for (const SortView& view : views_of(mesh)) {
+  for (const SortView& view : inside_and_outside_views(mesh)) {
     const Ids far_first = copy(back.sort(view)), near_first = copy(front.sort(view));
     EXPECT_EQ(near_first, expected_order(back, all_ids(mesh), Direction::front_to_back));
     EXPECT_EQ(back.keys()[far_first.front()], front.keys()[near_first.back()]);
@@ -172,7 +172,7 @@ TEST(SorterOutput, RangesAreSortedByThemselvesWhereTheyLie) {
   ranges.push_back({count, 0});
   for (const bool culled : {false, true}) {
     Sorter sorter(mesh.view(), {.precision = Precision::whole, .cull_back_faces = culled});
-    const SortView view = views_of(mesh)[0];
+    const SortView view = inside_and_outside_views(mesh)[0];
     const Ids order = copy(sorter.sort(view));
     for (const int threads : {1, 3}) {
       Ids indices(3 * mesh.triangles.size(), 7), ids(mesh.triangles.size(), 7), counts(ranges.size());
@@ -212,7 +212,7 @@ TEST_P(CullingMethod, LeavesOutWhatIsSeenFromBehindAndNothingElse) {
     Sorter whole(mesh.view(), options);
     options.cull_back_faces = true;
     Sorter culling(mesh.view(), options);
-    for (const SortView& view : views_of(mesh)) {
+    for (const SortView& view : inside_and_outside_views(mesh)) {
       const Ids order = copy(whole.sort(view)), culled = copy(culling.sort(view));
       std::vector<bool> kept(order.size(), false);
       for (const std::uint32_t id : culled) kept[id] = true;
@@ -234,7 +234,7 @@ TEST(SorterOutput, ClipPlanesLeaveOutOnlyWhatLiesOutside) {
   const Mesh mesh = shapes::torus_knot(100000);
   Sorter whole(mesh.view(), {.precision = Precision::whole}),
       clipping(mesh.view(), {.precision = Precision::whole, .cull_by_clip_planes = true});
-  for (SortView view : views_of(mesh)) {
+  for (SortView view : inside_and_outside_views(mesh)) {
     if (view.eye.w == 0) continue;
     const glm::vec3 eye(view.eye);
     const std::array planes =
@@ -279,7 +279,7 @@ TEST(SorterOutput, NewPositionsGiveWhatANewSorterGives) {
 
   const SorterOptions options{.cull_back_faces = true, .cull_by_clip_planes = true};
   Sorter sorter(mesh.view(), options), fresh(bent.view(), options), strided(mesh.triangles, positions, options);
-  const SortView view = views_of(bent)[0];
+  const SortView view = inside_and_outside_views(bent)[0];
   sorter.sort(view);
   ASSERT_TRUE(sorter.is_sorted_for(view));
   with_threads(1, [&] {
@@ -297,7 +297,7 @@ TEST(SorterOutput, NewPositionsGiveWhatANewSorterGives) {
 TEST(SorterOutput, DoesNothingForTheSameViewAgain) {
   const Mesh mesh = load("hand_2k");
   Sorter sorter(mesh.view(), {.cull_by_clip_planes = true});
-  SortView view = views_of(mesh)[0];
+  SortView view = inside_and_outside_views(mesh)[0];
   EXPECT_FALSE(sorter.is_sorted_for(view));
   const std::span<const std::uint32_t> order = sorter.sort(view);
   // What a second sort would put right shows whether it ran.
@@ -334,7 +334,7 @@ TEST(SorterOutput, AllocatesNothingAfterTheFirstCallOfEach) {
       sorter.sort_indices(view, mesh.triangles, std::span(indices), ids);
       sorter.sort_ranges(view, mesh.triangles, ranges, std::span(indices), counts, ids);
     };
-    const std::vector<SortView> views = views_of(mesh);
+    const std::vector<SortView> views = inside_and_outside_views(mesh);
     use(views[0]);
     const AllocationScope scope;
     for (const SortView& view : views) use(view);
@@ -353,8 +353,8 @@ TEST(SorterOutput, HoldsAtMost40BytesAFacet) {
         for (const Precision precision : {Precision::quantised, Precision::whole}) {
           Sorter sorter(mesh.view(), {.precision = precision, .cull_back_faces = true, .cull_by_clip_planes = true});
           Ids indices(3 * mesh.triangles.size());
-          sorter.sort_indices(views_of(mesh)[0], mesh.triangles, std::span(indices));
-          sorter.sort(views_of(mesh)[0]);
+          sorter.sort_indices(inside_and_outside_views(mesh)[0], mesh.triangles, std::span(indices));
+          sorter.sort(inside_and_outside_views(mesh)[0]);
           EXPECT_LE(sorter.memory_bytes(), 40 * mesh.triangles.size());
         }
       });

@@ -46,7 +46,7 @@ const std::vector<NamedMesh>& meshes() {
   return list;
 }
 
-std::vector<SortView> views_of(const Mesh& mesh) {
+std::vector<SortView> near_and_far_views(const Mesh& mesh) {
   const Box box = facet_bounds(mesh.view());
   const glm::vec3 centre = box.centre();
   std::vector<SortView> views;
@@ -134,7 +134,7 @@ TEST_P(EveryMethod, GivesAPermutationBackToFrontByItsKey) {
   for (const auto& [name, mesh] : meshes()) {
     SCOPED_TRACE(name);
     Sorter sorter(mesh.view(), whole_keys(GetParam()));
-    for (const SortView& view : views_of(mesh)) {
+    for (const SortView& view : near_and_far_views(mesh)) {
       const auto order = sorter.sort(view);
       expect_permutation(order, mesh.triangles.size());
       expect_back_to_front(mesh, order, view, GetParam(), 2 * key_error(mesh, view, GetParam()));
@@ -164,7 +164,7 @@ TEST_P(EveryMethodAndPrecision, MirroringMeshAndEyeChangesNothing) {
       Mesh mirrored = mesh;
       for (glm::vec3& position : mirrored.positions) position *= mirror;
       Sorter other(mirrored.view(), {.method = method, .precision = precision});
-      for (const SortView& view : views_of(mesh)) {
+      for (const SortView& view : near_and_far_views(mesh)) {
         const auto order = sorter.sort(view);
         const auto same = other.sort({view.eye * glm::vec4(mirror, 1), view.forward * mirror});
         ASSERT_TRUE(std::equal(order.begin(), order.end(), same.begin(), same.end()));
@@ -184,7 +184,7 @@ TEST_P(EveryMethodAndPrecision, ScalingByPowersOfTwoChangesNothing) {
       Mesh scaled = mesh;
       for (glm::vec3& position : scaled.positions) position *= scale;
       Sorter other(scaled.view(), {.method = method, .precision = precision});
-      for (const SortView& view : views_of(mesh)) {
+      for (const SortView& view : near_and_far_views(mesh)) {
         const auto order = sorter.sort(view);
         const glm::vec4 eye = view.eye.w == 0 ? view.eye : glm::vec4(glm::vec3(view.eye) * scale, 1);
         const auto same = other.sort({eye, view.forward * scale});
@@ -208,7 +208,7 @@ TEST_P(RotatingMethod, RotatingMeshAndEyeSwapsNothingBeyondTheKeysError) {
     Mesh rotated = mesh;
     for (glm::vec3& position : rotated.positions) position = rotation * position;
     Sorter other(rotated.view(), whole_keys(GetParam()));
-    for (const SortView& view : views_of(mesh)) {
+    for (const SortView& view : near_and_far_views(mesh)) {
       const SortView turned{glm::vec4(rotation * glm::vec3(view.eye), view.eye.w), rotation * view.forward};
       // The rotation rounds positions, and so the eye: as if each point were off by a few roundings of its distance.
       const FacetFrame frame = frame_of(mesh);
@@ -227,7 +227,7 @@ TEST_P(EveryMethod, PermutingFacetsKeepsTheSequenceOfKeys) {
     Mesh shuffled = mesh;
     std::shuffle(shuffled.triangles.begin(), shuffled.triangles.end(), random);
     Sorter sorter(mesh.view(), whole_keys(GetParam())), other(shuffled.view(), whole_keys(GetParam()));
-    for (const SortView& view : views_of(mesh)) {
+    for (const SortView& view : near_and_far_views(mesh)) {
       const auto order = sorter.sort(view);
       const auto other_order = other.sort(view);
       for (std::size_t k = 0; k < order.size(); ++k) {
@@ -241,7 +241,7 @@ TEST_P(EveryMethodAndPrecision, SameOrderForAnyThreadCount) {
   const auto [method, precision] = GetParam();
   const SorterOptions options{.method = method, .precision = precision};
   const Mesh mesh = shapes::torus_knot(150000);
-  const SortView view = views_of(mesh)[1];
+  const SortView view = near_and_far_views(mesh)[1];
   const auto order_of = [&] {
     Sorter sorter(mesh.view(), options);
     const std::span<const std::uint32_t> order = sorter.sort(view);
@@ -255,7 +255,7 @@ TEST_P(EveryMethodAndPrecision, AllocatesNothingAfterTheFirstSort) {
   const auto [method, precision] = GetParam();
   const Mesh mesh = load("hand_2k");
   Sorter sorter(mesh.view(), {.method = method, .precision = precision});
-  const std::vector<SortView> views = views_of(mesh);
+  const std::vector<SortView> views = near_and_far_views(mesh);
   std::vector<std::uint32_t> indices(3 * mesh.triangles.size());
   sorter.sort_indices(views[0], mesh.triangles, std::span(indices));
   const AllocationScope scope;
@@ -270,7 +270,7 @@ TEST_P(EveryMethodAndPrecision, IndexBuffersHoldTheCornersInTheOrder) {
   const auto [method, precision] = GetParam();
   const Mesh mesh = load("hand_2k");
   Sorter sorter(mesh.view(), {.method = method, .precision = precision});
-  const SortView view = views_of(mesh)[2];
+  const SortView view = near_and_far_views(mesh)[2];
   const auto span = sorter.sort(view);
   const std::vector<std::uint32_t> order(span.begin(), span.end());
   std::vector<std::uint32_t> wide(3 * order.size());
@@ -332,7 +332,7 @@ TEST(Sorter, EyeAtACentroidAndFacetsAllAlike) {
 
 TEST(Sorter, DifferentSortersServeDifferentThreadsAtOnce) {
   const Mesh mesh = shapes::torus_knot(20000);
-  const std::vector<SortView> views = views_of(mesh);
+  const std::vector<SortView> views = near_and_far_views(mesh);
   std::vector<std::vector<std::uint32_t>> expected;
   for (const SortView& view : views) expected.push_back(sort_facets(mesh.view(), view));
   std::vector<std::vector<std::uint32_t>> found(views.size());
@@ -343,7 +343,7 @@ TEST(Sorter, DifferentSortersServeDifferentThreadsAtOnce) {
 TEST(Sorter, HoldsAtMost40BytesAFacetForOnePointKeys) {
   const Mesh mesh = shapes::torus_knot(20000);
   Sorter sorter(mesh.view());
-  sorter.sort(views_of(mesh)[0]);
+  sorter.sort(near_and_far_views(mesh)[0]);
   EXPECT_LE(sorter.memory_bytes(), 40 * mesh.triangles.size());
 }
 

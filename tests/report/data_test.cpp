@@ -11,7 +11,7 @@
 namespace facetsort {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 using test::read_text;
 
 const std::vector<std::string>& row_keys() {
@@ -50,11 +50,11 @@ const std::vector<std::string>& row_keys() {
   return keys;
 }
 
-Json written_json(const Comparison& comparison) {
+OrderedJson written_json(const Comparison& comparison) {
   const test::TemporaryFolder folder;
   const Status status = write_json(folder / "results.json", comparison);
   EXPECT_TRUE(status.ok()) << status.message;
-  return Json::parse(read_text(folder / "results.json"));
+  return OrderedJson::parse(read_text(folder / "results.json"));
 }
 
 // RFC 4180, read back: rows of fields.
@@ -94,13 +94,13 @@ std::vector<std::vector<std::string>> written_csv(const Comparison& comparison) 
   return parse_csv(read_text(folder / "results.csv"));
 }
 
-TEST(Json, HasTheDocumentedKeysInOrder) {
-  const Json json = written_json(test::make_comparison());
+TEST(OrderedJson, HasTheDocumentedKeysInOrder) {
+  const OrderedJson json = written_json(test::make_comparison());
   std::vector<std::string> keys;
   for (const auto& [key, value] : json.items()) keys.push_back(key);
   EXPECT_EQ(keys, (std::vector<std::string>{"machine", "command", "date", "size", "views", "meshes", "rows"}));
   ASSERT_EQ(json["rows"].size(), 20u);
-  for (const Json& row : json["rows"]) {
+  for (const OrderedJson& row : json["rows"]) {
     keys.clear();
     for (const auto& [key, value] : row.items()) keys.push_back(key);
     std::vector<std::string> expected = row_keys();
@@ -109,12 +109,12 @@ TEST(Json, HasTheDocumentedKeysInOrder) {
   }
 }
 
-TEST(Json, HasTheStatisticsOfTheExactOrder) {
+TEST(OrderedJson, HasTheStatisticsOfTheExactOrder) {
   Comparison comparison = test::make_comparison();
   comparison.rows.push_back(test::make_exact_row("cup", 0, 54321));
-  const Json json = written_json(comparison);
+  const OrderedJson json = written_json(comparison);
   EXPECT_TRUE(json["rows"].front()["exact"].is_null());
-  const Json& exact = json["rows"].back()["exact"];
+  const OrderedJson& exact = json["rows"].back()["exact"];
   std::vector<std::string> keys, times;
   for (const auto& [key, value] : exact.items()) keys.push_back(key);
   for (const auto& [key, value] : exact["times_ms"].items()) times.push_back(key);
@@ -130,20 +130,20 @@ TEST(Json, HasTheStatisticsOfTheExactOrder) {
   EXPECT_EQ(exact["times_ms"]["pairs"], 0.625);
 }
 
-TEST(Json, KeepsEveryValue) {
+TEST(OrderedJson, KeepsEveryValue) {
   Comparison comparison = test::make_comparison();
   Row& row = comparison.rows.front();
   row.order = {0.1, 0.2};
   row.peak_bytes = 12345678901234;
   row.embree_inverted = 0;
   row.rmse = 1.0 / 3;
-  const Json json = written_json(comparison);
+  const OrderedJson json = written_json(comparison);
   EXPECT_EQ(json["machine"], "a machine");
-  EXPECT_EQ(json["size"], (Json{64, 64}));
+  EXPECT_EQ(json["size"], (OrderedJson{64, 64}));
   EXPECT_EQ(json["views"], 2);
   EXPECT_EQ(json["meshes"][1]["name"], "fan");
   EXPECT_EQ(json["meshes"][1]["most_layers"], 9);
-  const Json& first = json["rows"][0];
+  const OrderedJson& first = json["rows"][0];
   EXPECT_EQ(first["strategy"], "unsorted");
   EXPECT_EQ(first["order_ms"], 0.1);
   EXPECT_EQ(first["order_ms_spread"], 0.2);
@@ -155,19 +155,19 @@ TEST(Json, KeepsEveryValue) {
   EXPECT_EQ(first["rmse"], 1.0 / 3);  // to the bit
 }
 
-TEST(Json, EyesAreShortAndReadBackToTheBit) {
+TEST(OrderedJson, EyesAreShortAndReadBackToTheBit) {
   const test::TemporaryFolder folder;
   ASSERT_TRUE(write_json(folder / "results.json", test::make_comparison()).ok());
   const std::string text = read_text(folder / "results.json");
   EXPECT_NE(text.find("\"eye\":[0.3,-2.0,1e-20]"), std::string::npos);
-  const Json eye = Json::parse(text)["rows"][0]["eye"];
+  const OrderedJson eye = OrderedJson::parse(text)["rows"][0]["eye"];
   EXPECT_EQ(eye[0].get<float>(), 0.3f);
   EXPECT_EQ(eye[2].get<float>(), 1e-20f);
 }
 
-TEST(Json, WhatDoesNotApplyIsNull) {
-  const Json json = written_json(test::make_comparison());
-  const Json& depth_write = json["rows"][1];
+TEST(OrderedJson, WhatDoesNotApplyIsNull) {
+  const OrderedJson json = written_json(test::make_comparison());
+  const OrderedJson& depth_write = json["rows"][1];
   ASSERT_EQ(depth_write["strategy"], "depth_write");
   for (const char* key :
        {"method", "inverted_pixels", "inverted_rate", "miscovered_pixels", "worst_backtrack", "embree_inverted"}) {
@@ -176,21 +176,21 @@ TEST(Json, WhatDoesNotApplyIsNull) {
   EXPECT_EQ(json["rows"][2]["method"], "centroid_distance");
 }
 
-TEST(Json, NotANumberIsNull) {
+TEST(OrderedJson, NotANumberIsNull) {
   Comparison comparison = test::make_comparison();
   comparison.rows[0].rmse = std::nan("");
   EXPECT_TRUE(written_json(comparison)["rows"][0]["rmse"].is_null());
 }
 
-TEST(Json, TakesAnyFileName) {
+TEST(OrderedJson, TakesAnyFileName) {
   const std::string name = "a \"quoted\"\\\n\x01 name, \xc3\xa9";
   EXPECT_EQ(written_json(test::make_comparison(name))["rows"][0]["mesh"], name);
   // Not UTF-8: the byte is replaced, the document stays valid.
   EXPECT_EQ(written_json(test::make_comparison("caf\xe9"))["rows"][0]["mesh"], "caf\xef\xbf\xbd");
 }
 
-TEST(Json, EmptyComparison) {
-  const Json json = written_json({});
+TEST(OrderedJson, EmptyComparison) {
+  const OrderedJson json = written_json({});
   EXPECT_TRUE(json["rows"].is_array());
   EXPECT_TRUE(json["rows"].empty());
 }
@@ -198,13 +198,13 @@ TEST(Json, EmptyComparison) {
 TEST(Csv, HasTheColumnsAndValuesOfTheJson) {
   const Comparison comparison = test::make_comparison();
   const auto csv = written_csv(comparison);
-  const Json json = written_json(comparison);
+  const OrderedJson json = written_json(comparison);
   ASSERT_EQ(csv.size(), comparison.rows.size() + 1);
   EXPECT_EQ(csv[0], row_keys());
   for (std::size_t r = 0; r < comparison.rows.size(); ++r) {
     ASSERT_EQ(csv[r + 1].size(), row_keys().size());
     for (std::size_t c = 0; c < row_keys().size(); ++c) {
-      const Json& value = json["rows"][r][row_keys()[c]];
+      const OrderedJson& value = json["rows"][r][row_keys()[c]];
       const std::string& field = csv[r + 1][c];
       if (value.is_null()) {
         EXPECT_EQ(field, "");
@@ -213,7 +213,7 @@ TEST(Csv, HasTheColumnsAndValuesOfTheJson) {
       } else if (value.is_array()) {
         EXPECT_EQ(field, "0.3,-2.0,1e-20");
       } else {
-        EXPECT_EQ(Json::parse(field), value);
+        EXPECT_EQ(OrderedJson::parse(field), value);
       }
     }
   }
@@ -247,7 +247,7 @@ class Unwritable : public testing::Test {
   }
 };
 
-TEST_F(Unwritable, Json) {
+TEST_F(Unwritable, OrderedJson) {
   expect_fault(write_json);
 }
 TEST_F(Unwritable, Csv) {

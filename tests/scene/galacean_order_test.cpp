@@ -50,9 +50,9 @@ GalaceanItem item_at(double z, const GalaceanMaterial& material) {
 }
 
 TEST(GalaceanOrder, DrawsTheQueuesOneAfterTheOther) {
-  const GalaceanMaterial glass{.is_transparent = true}, leaves{.alpha_cutoff = 0.5};
-  const std::vector<GalaceanItem> items{item_at(-1, glass), item_at(-3, leaves), item_at(-2, leaves),
-                                        item_at(-9, {}),    item_at(-8, {}),     item_at(-5, glass)};
+  const GalaceanMaterial panes{.is_transparent = true}, foliage{.alpha_cutoff = 0.5};
+  const std::vector<GalaceanItem> items{item_at(-1, panes), item_at(-3, foliage), item_at(-2, foliage),
+                                        item_at(-9, {}),    item_at(-8, {}),     item_at(-5, panes)};
   EXPECT_EQ(text_of(galacean_draw_order(items, {})), "4f 3f 2fk 1fk 5fw 0fw");
 }
 
