@@ -2,11 +2,12 @@
 """Judges `auto`: does it stay within its budget in every view, and how much longer do its frames take than those of the
 fastest strategy that does, found by trying all of them? Needs the built program.
 
-  bench/judge_plan.py [--size N] [--repeats N] [--rounds N] MESH...     for example: bench/judge_plan.py --size 512 meshes/*.ply
+  bench/judge_plan.py [--size N] [--repeats N] [--rounds N] MESH...
+  bench/judge_plan.py --size 512 meshes/*.ply
 
 A line a mesh and budget, 0 and 0.1 % of a view's covered pixels: four views around the mesh, each frame order and blend
-from a new eye, the median of the repeats, of that the least of the rounds, and the mean of the views. What is done once is told apart. Exits with 1 where a
-budget is not met or a frame takes more than 1.25 times as long.
+from a new eye, the median of the repeats, of that the least of the rounds, and the mean of the views. What is done
+once is told apart. Exits with 1 where a budget is not met or a frame takes more than 1.25 times as long.
 """
 import argparse
 import json

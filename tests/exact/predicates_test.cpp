@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "exact/rational.h"
+#include "support/effort.h"
 
 namespace facetsort {
 namespace {
@@ -73,7 +74,7 @@ class HardPredicates : public testing::TestWithParam<HardPoints::Kind> {};
 TEST_P(HardPredicates, PlaneSidesAreThoseOfRationalArithmetic) {
   HardPoints point(GetParam());
   std::map<int, int> seen;
-  for (int i = 0; i < 3000; ++i) {
+  for (int i = 0; i < cases(3000); ++i) {
     const glm::vec3 a = point(), b = point(), c = point(), d = point();
     const int expected = reference_side(a, b, c, glm::vec4(d, 1));
     ++seen[expected];
@@ -91,7 +92,7 @@ TEST_P(HardPredicates, TurnsAreThoseOfRationalArithmetic) {
   HardPoints point(GetParam());
   std::map<int, int> seen;
   int lines = 0;
-  for (int i = 0; i < 3000; ++i) {
+  for (int i = 0; i < cases(3000); ++i) {
     const glm::vec3 a = point(), b = point(), c = i % 5 == 0 ? a : point();
     const Point normal = cross(exactly(b) - exactly(a), exactly(c) - exactly(a));
     ASSERT_EQ(normal_sign(a, b, c, 0), sign(normal.x)) << i;
@@ -109,7 +110,7 @@ TEST_P(HardPredicates, TurnsAreThoseOfRationalArithmetic) {
 TEST_P(HardPredicates, SignedVolumesAreWithinTheirBounds) {
   HardPoints point(GetParam());
   int certain = 0;
-  for (int i = 0; i < 3000; ++i) {
+  for (int i = 0; i < cases(3000); ++i) {
     const glm::vec3 a = point(), b = point(), c = point();
     const glm::vec3 d = i % 7 == 0 ? a : i % 7 == 1 ? b : i % 7 == 2 ? c : point();
     const SignedVolume volume = signed_volume(a, b, c, d);
@@ -122,7 +123,7 @@ TEST_P(HardPredicates, SignedVolumesAreWithinTheirBounds) {
       certain += std::abs(volume.value) > volume.error;
     }
   }
-  EXPECT_GT(certain, 300);
+  EXPECT_GT(certain, cases(300));
 }
 
 std::string kind_name(const testing::TestParamInfo<HardPoints::Kind>& test) {
@@ -213,7 +214,7 @@ TEST(ProjectedPredicates, AreThoseOfRationalArithmetic) {
   std::mt19937 random(5);
   std::uniform_int_distribution<int> pixel(-4, 4);
   std::map<int, int> at_pixel_seen, facing_seen;
-  for (int i = 0; i < 1500; ++i) {
+  for (int i = 0; i < cases(1500); ++i) {
     const Projection h = projections();
     HardPoints& point = i % 4 == 0 ? mixed : grid;
     const glm::vec3 a = point(), b = point(), c = point();
@@ -231,8 +232,8 @@ TEST(ProjectedPredicates, AreThoseOfRationalArithmetic) {
     ++facing_seen[facing];
   }
   for (const int expected : {-1, 0, 1}) {
-    EXPECT_GT(at_pixel_seen[expected], 10) << expected;
-    EXPECT_GT(facing_seen[expected], 10) << expected;
+    EXPECT_GT(at_pixel_seen[expected], cases(10)) << expected;
+    EXPECT_GT(facing_seen[expected], cases(10)) << expected;
   }
 }
 
@@ -243,7 +244,7 @@ TEST(ProjectedPredicates, CutSignsAreThoseOfRationalArithmetic) {
   std::uniform_int_distribution<int> pixel(-4, 4);
   std::map<int, int> seen, side_seen;
   int joins = 0;
-  for (int i = 0; i < 1500; ++i) {
+  for (int i = 0; i < cases(1500); ++i) {
     const Projection h = projections();
     HardPoints& point = i % 8 == 0 ? mixed : i % 8 == 1 ? near_plane : grid;
     const std::array<glm::vec3, 3> facet{point(), point(), point()};
@@ -292,10 +293,10 @@ TEST(ProjectedPredicates, CutSignsAreThoseOfRationalArithmetic) {
     ++side_seen[side];
   }
   for (const int expected : {-1, 0, 1}) {
-    EXPECT_GT(seen[expected], 10) << expected;
-    EXPECT_GT(side_seen[expected], 10) << expected;
+    EXPECT_GT(seen[expected], cases(10)) << expected;
+    EXPECT_GT(side_seen[expected], cases(10)) << expected;
   }
-  EXPECT_GT(joins, 100);
+  EXPECT_GT(joins, cases(100));
 }
 
 TEST(ProjectedPredicates, DecideAPixelCentreExactlyOnAnEdge) {

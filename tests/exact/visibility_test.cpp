@@ -12,6 +12,7 @@
 #include "facetsort/exact/parts.h"
 #include "facetsort/exact/predicates.h"
 #include "shapes.h"
+#include "support/effort.h"
 
 namespace facetsort::exact_internal {
 namespace {
@@ -202,7 +203,7 @@ TEST(Hiding, OfRandomPairsIsWhatRaysMeet) {
   std::mt19937 random(3);
   const auto uniform = [&] { return static_cast<float>(random() >> 8) * 0x1p-24f; };
   std::size_t compared = 0, surrounded_compared = 0, shared = 0;
-  for (int i = 0; i < 6000; ++i) {
+  for (int i = 0; i < cases(6000); ++i) {
     Mesh mesh;
     for (int v = 0; v < 6; ++v) mesh.positions.push_back(glm::vec3{uniform(), uniform(), uniform()});
     const std::uint32_t vertices = 4 + i % 3;  // two, one or no vertex in common
@@ -235,16 +236,16 @@ TEST(Hiding, OfRandomPairsIsWhatRaysMeet) {
       shared += vertices < 6;
     }
   }
-  EXPECT_GT(compared, 2000u);
-  EXPECT_GT(surrounded_compared, 500u);
-  EXPECT_GT(shared, 500u);
+  EXPECT_GT(compared, static_cast<std::size_t>(cases(2000)));
+  EXPECT_GT(surrounded_compared, static_cast<std::size_t>(cases(500)));
+  EXPECT_GT(shared, static_cast<std::size_t>(cases(500)));
 }
 
 // What rays never meet is apart: facets that a plane through the eye parts.
 TEST(Hiding, OfFacetsApartIsNone) {
   std::mt19937 random(4);
   const auto uniform = [&] { return static_cast<float>(random() >> 8) * 0x1p-24f; };
-  for (int i = 0; i < 2000; ++i) {
+  for (int i = 0; i < cases(2000); ++i) {
     Mesh mesh;
     const glm::vec3 eye{uniform(), uniform(), uniform()};
     for (int v = 0; v < 6; ++v) {
