@@ -7,8 +7,9 @@
 #include <string>
 #include <vector>
 
-#include "facetsort/blend/strategy.h"
 #include "blend/pictures.h"
+#include "blend/sheets.h"
+#include "facetsort/blend/strategy.h"
 #include "shapes.h"
 
 namespace facetsort {
@@ -79,7 +80,8 @@ TEST(SceneStrategy, ExactOrdersAmongOpaqueObjectsDrawTheReference) {
   for (const glm::vec3& direction : {glm::vec3(0.3f, 0.4f, 2.5f), glm::vec3(2, 1, -1.5f)}) {
     const View view = scene.view(direction);
     const Image reference = scene.draw("reference", view);
-    for (const char* exact : {"facet_sort:exact", "facet_sort:exact_tree", "facet_sort:presorted", "depth_peeling"}) {
+    for (const char* exact : {"facet_sort:exact", "facet_sort:exact_tree", "facet_sort:presorted", "depth_peeling",
+                              "dual_depth_peeling", "multi_layer:24"}) {
       EXPECT_EQ(pixels_off(scene.draw(exact, view), reference), 0u) << exact;
     }
     // The box hides by depth, whatever the order of the rest.
@@ -101,14 +103,63 @@ TEST(SceneStrategy, OpaqueFacetsAreNeitherSortedNorCounted) {
   EXPECT_FALSE(all.discards_fragments());
 }
 
+// A layer before what is opaque and one behind it: what remains is one layer, which each is exact for.
+TEST(SceneStrategy, OrderIndependentOnesDrawOverWhatIsOpaque) {
+  const Sheet layers[] = {{8, red, 0.9f}, {4, green, 0.25f}, {6, blue, 1}, {9, red, 1}};
+  Mesh mesh = mesh_of(layers);
+  mesh.facet_materials = {0, 1, 2, 3};
+  for (const Sheet& layer : layers) {
+    mesh.materials.push_back({.base_colour = glm::vec4(layer.straight, layer.alpha),
+                              .alpha_mode = layer.alpha < 1 ? AlphaMode::blend : AlphaMode::opaque});
+  }
+  for (const bool with_colours_of_vertices : {false, true}) {
+    if (with_colours_of_vertices) mesh.vertex_colours.assign(mesh.positions.size(), glm::vec4(1));
+    for (const char* name : {"weighted_blended", "moment_based:4", "moment_based:6", "multi_layer:1", "stochastic:8",
+                             "depth_peeling:1", "dual_depth_peeling:1", "dual_depth_peeling"}) {
+      SCOPED_TRACE(name);
+      StrategyRenderer renderer(mesh.view(), strategy_from_name(name).value());
+      Image image;
+      View view = sheets_view();
+      view.projection = Projection::orthographic;  // full headlight
+      renderer.order(view);
+      const DrawStatistics statistics = renderer.draw(view, PixelFormat::rgba32f, image);
+      expect_colour(image, {0, 0.25f, 0.75f, 1});
+      EXPECT_EQ(statistics.passes, renderer.passes());
+      EXPECT_GE(statistics.passes, 2);
+      EXPECT_TRUE(renderer.discards_fragments());
+      renderer.draw(view, PixelFormat::rgba8, image);
+      expect_colour(image, {0, 64.0f / 255, 191.0f / 255, 1}, 1.01f / 255);
+    }
+  }
+}
+
 TEST(SceneStrategy, NothingButOpaqueNeedsNoOrder) {
   Scene scene = mixed_scene(true);
   for (SceneMaterial& material : scene.materials) material.material.alpha_mode = AlphaMode::opaque;
   const MergedScene opaque(std::move(scene));
   const View view = opaque.view({0.3f, 0.4f, 2.5f});
   const Image reference = opaque.draw("reference", view);
-  for (const char* any : {"unsorted", "facet_sort:exact", "separate_culling_pass", "draw_order:three"}) {
+  for (const char* any : {"unsorted", "facet_sort:exact", "separate_culling_pass", "draw_order:three",
+                          "depth_peeling:1", "weighted_blended", "moment_based:4", "multi_layer:1", "stochastic:4"}) {
     EXPECT_EQ(pixels_off(opaque.draw(any, view), reference), 0u) << any;
+  }
+}
+
+// Along the camera's own up, where a matrix made of it would be no matrix.
+TEST(SceneStrategy, EnginesOrderObjectsSeenFromStraightAbove) {
+  Scene scene;
+  scene.materials = {{.material = {.base_colour = {1, 0, 0, 0.5f}}}, {.material = {.base_colour = {0, 0, 1, 0.5f}}}};
+  const Mesh triangle{{{-4, 0, -4}, {0, 0, 8}, {4, 0, -4}}, {{0, 1, 2}}, {}, {}};
+  scene.meshes = {scene_mesh(triangle, 0), scene_mesh(triangle, 1)};
+  scene.objects = {{.mesh = 0, .world = at(0, 1, 0)}, {.mesh = 1}};  // the nearer one first
+  const MergedScene merged(std::move(scene));
+  View view;
+  view.eye = {0, 8, 0};
+  view.at = {0, 0, 0};
+  view.width = view.height = 32;
+  for (const DrawOrderRule rule : all_draw_order_rules()) {
+    const std::string name = "draw_order:" + std::string(draw_order_rule_name(rule));
+    EXPECT_EQ(pixels_off(merged.draw(name, view), merged.draw("reference", view)), 0u) << name;
   }
 }
 

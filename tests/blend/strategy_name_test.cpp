@@ -1,4 +1,4 @@
-// The names of strategies that a plan chooses for.
+// The names of strategies that take more than a method or a number.
 #include <gtest/gtest.h>
 
 #include <optional>
@@ -23,6 +23,21 @@ TEST(StrategyName, AutoMayHaveABudget) {
 
 TEST(StrategyName, ABudgetIsAShare) {
   for (const char* name : {"auto:", "auto:-0.1", "auto:1.1", "auto:nan", "auto:0.1%", "auto:x"}) {
+    EXPECT_FALSE(strategy_from_name(name)) << name;
+  }
+}
+
+TEST(StrategyName, DepthKeysMayBeQuantised) {
+  const std::optional<Strategy> whole = strategy_from_name("facet_sort:farthest_vertex");
+  const std::optional<Strategy> quantised = strategy_from_name("facet_sort:farthest_vertex:quantised");
+  ASSERT_TRUE(whole && quantised);
+  EXPECT_EQ(whole->precision, Precision::whole);
+  EXPECT_EQ(quantised->precision, Precision::quantised);
+  EXPECT_EQ(quantised->method, Method::farthest_vertex);
+  EXPECT_EQ(quantised->name(), "facet_sort:farthest_vertex:quantised");
+  EXPECT_NE(whole, quantised);
+  for (const char* name : {"facet_sort:exact:quantised", "facet_sort:quantised", "facet_sort:farthest_vertex:whole",
+                           "facet_sort::quantised", "unsorted:quantised"}) {
     EXPECT_FALSE(strategy_from_name(name)) << name;
   }
 }

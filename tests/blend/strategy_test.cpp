@@ -49,7 +49,8 @@ TEST(Strategy, NamesAreDistinctAndKnown) {
     EXPECT_TRUE(names.insert(name).second);
   }
   EXPECT_EQ(numbered_strategy_names(),
-            (std::vector<std::string>{"additive", "premultiplied_over", "presorted_buffers:1..1000",
+            (std::vector<std::string>{"additive", "premultiplied_over", "facet_sort:METHOD:quantised",
+                                      "draw_order:galacean|babylon|three|panda3d", "presorted_buffers:1..1000",
                                       "depth_peeling:1..1000", "dual_depth_peeling:1..1000", "moment_based:4|6",
                                       "multi_layer:1..64", "stochastic:1..64", "auto", "auto:0..1"}));
   for (const char* unknown : {"presorted_buffers",
@@ -244,6 +245,26 @@ TEST(Strategy, ReferenceBlendsEveryFragmentByItsOwnDepth) {
     ASSERT_EQ(image.pixels[pixel], blended);
   }
   EXPECT_GT(wrong_pixels(mesh, view, StrategyKind::unsorted), 1000u);
+}
+
+TEST(Strategy, OrdersAreKeptWhereTheyHold) {
+  const Mesh knot = shapes::torus_knot(500);
+  StrategyRenderer presorted(knot.view(), *strategy_from_name("facet_sort:presorted"));
+  const View view = view_of(knot);
+  View near = view, turned = view, far = view;
+  near.eye.x += 1e-5f;
+  turned.at.x += 1;
+  far.eye *= -1;
+  EXPECT_FALSE(presorted.keeps_order(view));
+  presorted.order(view);
+  EXPECT_TRUE(presorted.keeps_order(near));
+  EXPECT_TRUE(presorted.keeps_order(turned));
+  EXPECT_FALSE(presorted.keeps_order(far));
+  StrategyRenderer by_depth(knot.view(), *strategy_from_name("facet_sort:centroid_depth"));
+  by_depth.order(view);
+  EXPECT_TRUE(by_depth.keeps_order(view));
+  EXPECT_FALSE(by_depth.keeps_order(near));
+  EXPECT_FALSE(by_depth.keeps_order(turned));
 }
 
 }  // namespace

@@ -14,15 +14,15 @@ HWY_BEFORE_NAMESPACE();
 namespace facetsort::blend_internal::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Writes the tile: the average colour, covering all but the transmittance, over the clear colour. `sums` are of
+// Writes the tile: the average colour, covering all but the transmittance, over what is opaque, or the clear
+// colour. `sums` are of
 // premultiplied colours by some weight, and in the fourth channel of the alphas by the same; it is overwritten. Sums
 // are float whatever the picture's format: rgba8 rounds once.
-void write_average_over_clear_colour(const TileTask& task, TileColours& sums, const TilePlane& transmittance,
+void write_average(const TileTask& task, TileColours& sums, const TilePlane& transmittance,
                                      int tile) {
   const FloatTag d;
   const bool eight_bits = task.format == PixelFormat::rgba8;
   const auto scale = hn::Set(d, channel_scale(task)), one = hn::Set(d, 1.0f);
-  const glm::vec4 below = clear_value(task);
   for (std::size_t pixel = 0; pixel < tile_size * tile_size; pixel += hn::Lanes(d)) {
     const auto through = hn::Load(d, transmittance.pixel + pixel);
     const auto weights = hn::Load(d, sums.channel[3].pixel + pixel);
@@ -32,7 +32,7 @@ void write_average_over_clear_colour(const TileTask& task, TileColours& sums, co
     for (int k = 0; k < 4; ++k) {
       float* plane = sums.channel[k].pixel + pixel;
       const auto average = hn::Div(hn::Load(d, plane), divisor);
-      auto blended = hn::Add(hn::Mul(average, opacity), hn::Mul(hn::Set(d, below[k]), through));
+      auto blended = hn::Add(hn::Mul(average, opacity), hn::Mul(colour_below(task, tile, k, pixel), through));
       if (eight_bits) blended = hn::Round(blended);
       hn::Store(blended, d, plane);
     }

@@ -64,10 +64,13 @@ struct ScreenDepth {
 };
 
 // Runs over the tile once: visit(paint, pixel, x, y, mask, depth) for every vector of pixels in which something is
-// covered, the depth being ScreenDepth.
+// covered and not behind what is opaque, the depth being ScreenDepth.
 template <bool vertex_colours, typename Visit>
 void fragment_pass(const TileTask& task, int tile, const Visit& visit) {
   const int x0 = task.bins.tile_x(tile), y0 = task.bins.tile_y(tile);
+  const FloatTag d;
+  const float* opaque_depths =
+      task.opaque.empty() ? nullptr : task.opaque[static_cast<std::size_t>(tile)].depths.pixel;
   Paint paint;
   ScreenDepth depth;
   for (const BinEntry& entry : task.bins.tile(tile)) {
@@ -81,7 +84,13 @@ void fragment_pass(const TileTask& task, int tile, const Visit& visit) {
     for_covered_vectors(task.projected, task.bins, entry, x0, y0, [&](int x, int y, hn::Mask<FloatTag> mask) HWY_ATTR {
       if (!is_set_up) set_up();
       if (is_masked(paint)) mask = hn::And(mask, drawn_by_material<vertex_colours>(paint, x, y));
-      visit(paint, static_cast<std::size_t>(y * tile_size + x), x, y, mask, depth.at(x, y));
+      const auto pixel = static_cast<std::size_t>(y * tile_size + x);
+      const auto distance = depth.at(x, y);
+      if (opaque_depths != nullptr) {
+        mask = hn::And(mask, hn::Le(distance, hn::Load(d, opaque_depths + pixel)));
+        if (hn::AllFalse(d, mask)) return;
+      }
+      visit(paint, pixel, x, y, mask, distance);
     });
   }
 }
@@ -111,6 +120,21 @@ void for_each_fragment(const TileTask& task, int tile, const Visit& visit) {
               }
             }
           });
+}
+
+// Into a layer, as a render target keeps it. `combine(stored, source)` says what becomes of what is there.
+template <bool vertex_colours, typename Combine>
+HWY_INLINE void store_layer(const TileTask& task, const Paint& paint, std::size_t pixel, int x, int y,
+                            hn::Mask<FloatTag> mask, TileColours& layer, const Combine& combine) {
+  const FloatTag d;
+  const bool eight_bits = task.format == PixelFormat::rgba8;
+  blend_paint<vertex_colours>(paint, channel_scale(task), x, y,
+                              [&](int channel, hn::VFromD<FloatTag> source, hn::VFromD<FloatTag>) HWY_ATTR {
+                                float* plane = layer.channel[channel].pixel + pixel;
+                                const auto stored = hn::Load(d, plane);
+                                if (eight_bits) source = hn::Round(source);
+                                hn::Store(hn::IfThenElse(mask, combine(stored, source), stored), d, plane);
+                              });
 }
 
 }  // namespace facetsort::blend_internal::HWY_NAMESPACE

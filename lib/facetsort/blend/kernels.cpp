@@ -14,6 +14,7 @@
 #include "facetsort/blend/draw_tile-inl.h"
 #include "facetsort/blend/moment_based-inl.h"
 #include "facetsort/blend/multi_layer-inl.h"
+#include "facetsort/blend/opaque_tile-inl.h"
 #include "facetsort/blend/peel_tile-inl.h"
 #include "facetsort/blend/place_facets-inl.h"
 #include "facetsort/blend/project_vertices-inl.h"
@@ -48,6 +49,7 @@ HWY_EXPORT(DrawTile);
 HWY_EXPORT(StartDrawing);
 HWY_EXPORT(DrawPassInTile);
 HWY_EXPORT(FinishDrawing);
+HWY_EXPORT(DrawOpaqueTile);
 HWY_EXPORT(StartPeeling);
 HWY_EXPORT(PeelTile);
 HWY_EXPORT(FinishPeeling);
@@ -76,8 +78,12 @@ void finish_drawing(const TileTask& task, int tile, const DrawnTile& drawn) {
   HWY_DYNAMIC_DISPATCH(FinishDrawing)(task, tile, drawn);
 }
 
-void start_peeling(const TileTask& task, PeeledTile& peeled) {
-  HWY_DYNAMIC_DISPATCH(StartPeeling)(task, peeled);
+void draw_opaque_tile(const TileTask& task, int tile, DrawnTile& drawn) {
+  HWY_DYNAMIC_DISPATCH(DrawOpaqueTile)(task, tile, drawn);
+}
+
+void start_peeling(const TileTask& task, int tile, PeeledTile& peeled) {
+  HWY_DYNAMIC_DISPATCH(StartPeeling)(task, tile, peeled);
 }
 
 bool peel_tile(const TileTask& task, Peeling peeling, int tile, PeeledTile& peeled) {

@@ -280,7 +280,7 @@ void draw_moment_based(const TileTask& task, const DepthRange& range, int tile) 
     float* here = transmittance.pixel + pixel;
     hn::Store(exp_of(d, hn::Neg(hn::Load(d, here))), d, here);
   }
-  write_average_over_clear_colour(task, colours, transmittance, tile);
+  write_average(task, colours, transmittance, tile);
 }
 
 void DrawMomentBased(const TileTask& task, const DepthRange& range, int moments, int tile) {

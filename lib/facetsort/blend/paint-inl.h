@@ -168,8 +168,12 @@ HWY_INLINE void blend_paint(const Paint& paint, float channel_scale, int x, int 
 // Of the vector of pixels that starts at (x, y).
 template <bool vertex_colours>
 HWY_INLINE hn::VFromD<FloatTag> alpha_of(const Paint& paint, int x, int y) {
-  if constexpr (vertex_colours) return interpolate(paint.colour[3], paint.denominator, x, y);
-  return hn::Set(FloatTag(), paint.flat.a);
+  if constexpr (vertex_colours) {
+    const bool is_plain = paint.texture == nullptr && !is_masked(paint);
+    return is_plain ? interpolate(paint.colour[3], paint.denominator, x, y) : paint_colours(paint, x, y).channel[3];
+  } else {
+    return hn::Set(FloatTag(), paint.flat.a);
+  }
 }
 
 // What a channel of 1 is in units of the format.
@@ -178,6 +182,13 @@ float channel_scale(const TileTask& task) { return task.format == PixelFormat::r
 // Every channel's clear value, rounded as the format is.
 glm::vec4 clear_value(const TileTask& task) {
   return task.format == PixelFormat::rgba8 ? glm::round(task.clear_colour * 255.0f) : task.clear_colour;
+}
+
+// A channel of what stands in the tile before anything is blended, in units of the format: the vector from a pixel on.
+HWY_INLINE hn::VFromD<FloatTag> colour_below(const TileTask& task, int tile, int channel, std::size_t pixel) {
+  const FloatTag d;
+  if (task.opaque.empty()) return hn::Set(d, clear_value(task)[channel]);
+  return hn::Load(d, task.opaque[static_cast<std::size_t>(tile)].colours.channel[channel].pixel + pixel);
 }
 
 void fill(TilePlane& plane, float value) { std::fill(std::begin(plane.pixel), std::end(plane.pixel), value); }

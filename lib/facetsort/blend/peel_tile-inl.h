@@ -17,21 +17,6 @@ HWY_BEFORE_NAMESPACE();
 namespace facetsort::blend_internal::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// The layer of one pass, as a render target keeps it. `combine(stored, source)` says what becomes of what is there.
-template <bool vertex_colours, typename Combine>
-HWY_INLINE void store_layer(const TileTask& task, const Paint& paint, std::size_t pixel, int x, int y,
-                            hn::Mask<FloatTag> mask, TileColours& layer, const Combine& combine) {
-  const FloatTag d;
-  const bool eight_bits = task.format == PixelFormat::rgba8;
-  blend_paint<vertex_colours>(paint, channel_scale(task), x, y,
-                              [&](int channel, hn::VFromD<FloatTag> source, hn::VFromD<FloatTag>) HWY_ATTR {
-                                float* plane = layer.channel[channel].pixel + pixel;
-                                const auto stored = hn::Load(d, plane);
-                                if (eight_bits) source = hn::Round(source);
-                                hn::Store(hn::IfThenElse(mask, combine(stored, source), stored), d, plane);
-                              });
-}
-
 // Blends one tile over another, pixel by pixel, into `result`, which may be either.
 void blend_over(const TileTask& task, const TileColours& above, const TileColours& below, TileColours& result) {
   const FloatTag d;
@@ -121,9 +106,13 @@ bool peel_from_both_ends(const TileTask& task, int tile, PeeledTile& peeled) {
   return any_finite(next_nearest);
 }
 
-void StartPeeling(const TileTask& task, PeeledTile& peeled) {
+void StartPeeling(const TileTask& task, int tile, PeeledTile& peeled) {
   clear(peeled.front, glm::vec4(0));
-  clear(peeled.back, clear_value(task));
+  if (task.opaque.empty()) {
+    clear(peeled.back, clear_value(task));
+  } else {
+    peeled.back = task.opaque[static_cast<std::size_t>(tile)].colours;
+  }
   fill(peeled.nearest, -infinity);
   fill(peeled.farthest, infinity);
 }

@@ -82,6 +82,7 @@ struct Rasteriser::Scratch {
   std::vector<blend_internal::DrawnTile> drawn_tiles;
   std::vector<ThreadScratch> threads;  // of the arena
   blend_internal::SampleMasks masks;
+  std::size_t opaque_facets_drawn = 0;
 
   // Resizes the image, and projects what is to be drawn.
   blend_internal::TileTask prepare(const MeshView& mesh, const View& view, std::span<const glm::vec4> colours,
@@ -96,13 +97,34 @@ struct Rasteriser::Scratch {
     return {projected, bins, colours, clear_colour, format, image};
   }
 
-  // And bins it.
+  // And bins it, after what is opaque has been drawn.
   blend_internal::TileTask prepare(const MeshView& mesh, const View& view, std::span<const std::uint32_t> order,
                                    std::span<const glm::vec4> colours, const glm::vec4& clear_colour,
-                                   PixelFormat format, Image& image, const Pieces& pieces) {
-    const blend_internal::TileTask task = prepare(mesh, view, colours, clear_colour, format, image);
-    bins.build(projected, order, pieces);
+                                   PixelFormat format, Image& image, const Pieces& pieces,
+                                   std::span<const std::uint32_t> opaque = {}) {
+    blend_internal::TileTask task = prepare(mesh, view, colours, clear_colour, format, image);
+    opaque_facets_drawn = 0;
+    if (opaque.empty()) {
+      bins.build(projected, order, pieces);
+      return task;
+    }
+    bins.place_mesh(projected);
+    bins.sort_into_tiles(projected, opaque, {});
+    drawn_tiles.resize(static_cast<std::size_t>(bins.tiles()));
+    for_each_tile([&](int tile) {
+      blend_internal::draw_opaque_tile(task, tile, drawn_tiles[static_cast<std::size_t>(tile)]);
+    });
+    opaque_facets_drawn = bins.front_facets() + bins.back_facets();
+    task.opaque = drawn_tiles;
+    bins.sort_into_tiles(projected, order, pieces);
     return task;
+  }
+
+  // Of passes over all of the order, and of that over what is opaque, which is the first.
+  DrawStatistics statistics(int passes, bool has_opaque) const {
+    const std::size_t facets = bins.front_facets() + bins.back_facets();
+    return {.facets_drawn = facets * static_cast<std::size_t>(passes) + opaque_facets_drawn,
+            .passes = passes + (has_opaque ? 1 : 0)};
   }
 
   // Facets and pieces that a pass draws of what the bins have.
@@ -172,19 +194,20 @@ DrawStatistics Rasteriser::draw(const MeshView& mesh, const View& view, std::spa
 
 DrawStatistics Rasteriser::peel(const MeshView& mesh, const View& view, std::span<const std::uint32_t> order,
                                 std::span<const glm::vec4> colours, Peeling peeling, const glm::vec4& clear_colour,
-                                PixelFormat format, Image& image, const Pieces& pieces, int most_passes) {
+                                PixelFormat format, Image& image, const Pieces& pieces, int most_passes,
+                                std::span<const std::uint32_t> opaque) {
   assert(most_passes >= 1);
   const blend_internal::TileTask task =
-      scratch_->prepare(mesh, view, order, colours, clear_colour, format, image, pieces);
+      scratch_->prepare(mesh, view, order, colours, clear_colour, format, image, pieces, opaque);
   // The first pass from both ends peels nothing.
   if (peeling == Peeling::from_both_ends && most_passes < no_pass_limit) ++most_passes;
   std::vector<blend_internal::PeeledTile>& tiles = scratch_->peeled_tiles;
   tiles.resize(static_cast<std::size_t>(scratch_->bins.tiles()));
   scratch_->for_each_tile(
-      [&](int tile) { blend_internal::start_peeling(task, tiles[static_cast<std::size_t>(tile)]); });
-  DrawStatistics statistics;
+      [&](int tile) { blend_internal::start_peeling(task, tile, tiles[static_cast<std::size_t>(tile)]); });
+  int passes = 0;
   std::atomic<bool> more = true;
-  for (; more && statistics.passes < most_passes; ++statistics.passes) {
+  for (; more && passes < most_passes; ++passes) {
     more = false;
     scratch_->for_each_tile([&](int tile) {
       if (blend_internal::peel_tile(task, peeling, tile, tiles[static_cast<std::size_t>(tile)])) more = true;
@@ -193,17 +216,16 @@ DrawStatistics Rasteriser::peel(const MeshView& mesh, const View& view, std::spa
   scratch_->for_each_tile([&](int tile) {
     blend_internal::finish_peeling(task, tile, tiles[static_cast<std::size_t>(tile)]);
   });
-  statistics.facets_drawn = (scratch_->bins.front_facets() + scratch_->bins.back_facets()) *
-                            static_cast<std::size_t>(statistics.passes);
-  return statistics;
+  return scratch_->statistics(passes, !opaque.empty());
 }
 
 DrawStatistics Rasteriser::draw_order_independent(const MeshView& mesh, const View& view,
                                                   std::span<const std::uint32_t> order,
                                                   std::span<const glm::vec4> colours, OrderIndependent method,
                                                   int count, const glm::vec4& clear_colour, PixelFormat format,
-                                                  Image& image) {
-  const blend_internal::TileTask task = scratch_->prepare(mesh, view, order, colours, clear_colour, format, image, {});
+                                                  Image& image, std::span<const std::uint32_t> opaque) {
+  const blend_internal::TileTask task =
+      scratch_->prepare(mesh, view, order, colours, clear_colour, format, image, {}, opaque);
   switch (method) {
     case OrderIndependent::weighted: {
       const DepthRange range = find_depth_range(scratch_->projected, order);
@@ -239,9 +261,7 @@ DrawStatistics Rasteriser::draw_order_independent(const MeshView& mesh, const Vi
       break;
     }
   }
-  const int passes = passes_of(method);
-  const std::size_t facets = scratch_->bins.front_facets() + scratch_->bins.back_facets();
-  return {.facets_drawn = facets * static_cast<std::size_t>(passes), .passes = passes};
+  return scratch_->statistics(passes_of(method), !opaque.empty());
 }
 
 }  // namespace facetsort

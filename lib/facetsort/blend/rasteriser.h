@@ -109,15 +109,19 @@ class Rasteriser {
   // statistics.passes is what it took, the pass included that finds nothing. rgba8 rounds each layer, and each blend.
   // Ends after `most_passes` that peel, at least 1, and loses what is left: the farthest layers, or the middle ones.
   // Peeling from both ends draws one more, the first, which only finds the ends: 5 give 10 layers, as in Babylon.js.
+  // `opaque`: facets, none of the others, that a pass before all others draws, each pixel's nearest alone; what is
+  // behind them is not drawn.
   DrawStatistics peel(const MeshView& mesh, const View& view, std::span<const std::uint32_t> order,
                       std::span<const glm::vec4> colours, Peeling peeling, const glm::vec4& clear_colour,
-                      PixelFormat format, Image& image, const Pieces& pieces = {}, int most_passes = no_pass_limit);
+                      PixelFormat format, Image& image, const Pieces& pieces = {}, int most_passes = no_pass_limit,
+                      std::span<const std::uint32_t> opaque = {});
 
   // The same without peeling. `count`: 4 or 6 moments; layers, up to most_kept_layers; samples, up to
-  // most_depth_samples; of no meaning to weighted. `order`: facets alone.
+  // most_depth_samples; of no meaning to weighted. `order`: facets alone. `opaque`: as of peel().
   DrawStatistics draw_order_independent(const MeshView& mesh, const View& view, std::span<const std::uint32_t> order,
                                         std::span<const glm::vec4> colours, OrderIndependent method, int count,
-                                        const glm::vec4& clear_colour, PixelFormat format, Image& image);
+                                        const glm::vec4& clear_colour, PixelFormat format, Image& image,
+                                        std::span<const std::uint32_t> opaque = {});
 
  private:
   struct Scratch;

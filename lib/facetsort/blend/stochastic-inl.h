@@ -91,7 +91,7 @@ void DrawStochastic(const TileTask& task, const SampleMasks& masks, std::span<Sa
   fill(transmittance, 1);
   task.colours.empty() ? draw_stochastic<true>(task, masks, first, room, tile, sums, transmittance)
                        : draw_stochastic<false>(task, masks, first, room, tile, sums, transmittance);
-  write_average_over_clear_colour(task, sums, transmittance, tile);
+  write_average(task, sums, transmittance, tile);
 }
 
 }  // namespace facetsort::blend_internal::HWY_NAMESPACE

@@ -140,6 +140,7 @@ struct StrategyRenderer::State {
   bool needs_index_order = false;          // as its order
   std::vector<std::uint32_t> index_order;  // of the strategies that do not sort, and of what is not sorted
   std::span<const std::uint32_t> order;
+  std::optional<SortView> last_view;     // of order()
   std::size_t blended = 0;               // facets; those that are not come after them
   SceneInput scene;                      // of draw_order
   std::optional<SceneDrawOrder> object_order;
@@ -164,11 +165,13 @@ struct StrategyRenderer::State {
                       PixelFormat format, Image& image) {
     if (const std::optional<Peeling> peeling = peeling_of(strategy.kind)) {
       const int most_passes = strategy.number == 0 ? no_pass_limit : static_cast<int>(strategy.number);
-      return rasteriser.peel(mesh, view, order, facet_colours, *peeling, clear_colour, format, image, {}, most_passes);
+      return rasteriser.peel(mesh, view, order, facet_colours, *peeling, clear_colour, format, image, {}, most_passes,
+                             not_blended());
     }
     if (const std::optional<OrderIndependent> method = order_independent(strategy.kind)) {
       return rasteriser.draw_order_independent(mesh, view, order, facet_colours, *method,
-                                               static_cast<int>(strategy.number), clear_colour, format, image);
+                                               static_cast<int>(strategy.number), clear_colour, format, image,
+                                               not_blended());
     }
     if (has_batches()) {
       assert(!batches.empty());  // order() makes them
@@ -177,8 +180,15 @@ struct StrategyRenderer::State {
     return rasteriser.draw(mesh, view, order, facet_colours, passes, clear_colour, format, image, pieces());
   }
 
-  bool has_batches() const {
-    return strategy.kind == StrategyKind::draw_order || (!passes.empty() && blended < mesh.facet_count());
+  bool has_batches() const { return strategy.kind == StrategyKind::draw_order || (!passes.empty() && has_opaque()); }
+
+  // To be drawn before all others, with depth.
+  bool has_opaque() const {
+    return strategy.kind != StrategyKind::reference && strategy.kind != StrategyKind::draw_order &&
+           blended < mesh.facet_count();
+  }
+  std::span<const std::uint32_t> not_blended() const {
+    return has_opaque() ? std::span(index_order).subspan(blended) : std::span<const std::uint32_t>();
   }
 
   // Those that are not blended, with depth, and the passes over the others, tested against it.
@@ -193,7 +203,7 @@ struct StrategyRenderer::State {
       drawn_cuts.assign(cuts.begin(), cuts.end());
       for (Cut& cut : drawn_cuts) cut.plane = in_mesh(cut.plane);
     }
-    batches = {{std::span(index_order).subspan(blended), opaque_pass}};
+    batches = {{not_blended(), opaque_pass}};
     for (DrawPass pass : passes) {
       if (pass.depth_test == DepthTest::off) pass.depth_test = DepthTest::less_or_equal;
       batches.push_back({drawn, pass});
@@ -235,13 +245,13 @@ StrategyRenderer::StrategyRenderer(const MeshView& mesh, const Strategy& strateg
   state_->passes = draw_passes(strategy.kind);
   state_->scene = scene;
   state_->blended = count_blended(mesh);
-  const MeshView sorted = state_->has_batches() ? blended_facets(mesh) : mesh;
+  const MeshView sorted = state_->has_opaque() ? blended_facets(mesh) : mesh;
   if (strategy.kind == StrategyKind::facet_sort && strategy.method == Method::presorted && presorted.tree != nullptr) {
     state_->exact_sorter.emplace(*presorted.tree);
   } else if (strategy.kind == StrategyKind::facet_sort && is_exact(strategy.method)) {
     state_->exact_sorter.emplace(sorted, ExactOptions{.from = order_from(strategy.method)});
   } else if (strategy.kind == StrategyKind::facet_sort) {
-    state_->sorter.emplace(sorted, SorterOptions{.method = strategy.method, .precision = Precision::whole});
+    state_->sorter.emplace(sorted, SorterOptions{.method = strategy.method, .precision = strategy.precision});
   } else if (strategy.kind == StrategyKind::presorted_buffers) {
     state_->buffers = presorted.buffers;
     state_->centre = facet_bounds(mesh).centre();
@@ -249,7 +259,7 @@ StrategyRenderer::StrategyRenderer(const MeshView& mesh, const Strategy& strateg
     state_->needs_index_order = true;
   }
   if (strategy.kind == StrategyKind::draw_order) state_->object_order.emplace(*scene.scene, scene.objects);
-  if (state_->needs_index_order || state_->has_batches()) {
+  if (state_->needs_index_order || state_->has_opaque() || strategy.kind == StrategyKind::draw_order) {
     state_->index_order.resize(mesh.facet_count());
     std::iota(state_->index_order.begin(), state_->index_order.end(), 0u);
   }
@@ -262,6 +272,7 @@ StrategyRenderer::~StrategyRenderer() = default;
 
 void StrategyRenderer::order(const View& view) {
   const SortView sort_view{view.homogeneous_eye(), view.forward()};
+  state_->last_view = sort_view;
   if (state_->sorter) {
     state_->sorter->forget_view();  // what a frame from a new eye costs is of interest
     state_->order = state_->sorter->sort(sort_view);
@@ -277,6 +288,15 @@ void StrategyRenderer::order(const View& view) {
   } else if (state_->has_batches()) {
     state_->batch_passes();
   }
+}
+
+bool StrategyRenderer::keeps_order(const View& view) {
+  State& state = *state_;
+  if (!state.last_view) return false;
+  const SortView now{view.homogeneous_eye(), view.forward()};
+  if (state.exact_sorter) return state.exact_sorter->keeps_order(now);
+  const bool uses_axis = state.sorter || state.object_order;
+  return state.last_view->eye == now.eye && (!uses_axis || state.last_view->forward == now.forward);
 }
 
 DrawStatistics StrategyRenderer::draw(const View& view, PixelFormat format, Image& image) {
@@ -341,11 +361,11 @@ const Strategy& StrategyRenderer::strategy() const {
 }
 
 bool StrategyRenderer::draws_in_order() const {
-  return state_->strategy.draws_in_order() && !state_->has_batches();
+  return state_->strategy.draws_in_order() && !state_->has_opaque();
 }
 
 bool StrategyRenderer::discards_fragments() const {
-  return state_->strategy.discards_fragments() || state_->has_batches();
+  return state_->strategy.discards_fragments() || state_->has_batches() || state_->has_opaque();
 }
 
 int StrategyRenderer::passes() const {
@@ -355,27 +375,28 @@ int StrategyRenderer::passes() const {
 
 std::size_t StrategyRenderer::bytes_per_pixel() const {
   const State& state = *state_;
+  const std::size_t depth_bytes = state.has_opaque() ? value_bytes : 0;  // of what is opaque
   switch (state.strategy.kind) {
     case StrategyKind::depth_prepass:
     case StrategyKind::depth_write:
     case StrategyKind::draw_order:
       return value_bytes;
     case StrategyKind::depth_peeling:  // layers so far; this pass's layer, and its and the last one's depth
-      return 2 * colour_bytes + 2 * value_bytes;
+      return depth_bytes + 2 * colour_bytes + 2 * value_bytes;
     case StrategyKind::dual_depth_peeling:  // the same at both ends
-      return 2 * (2 * colour_bytes + 2 * value_bytes);
+      return depth_bytes + 2 * (2 * colour_bytes + 2 * value_bytes);
     case StrategyKind::weighted_blended:  // the sum, and the transmittance
-      return colour_bytes + value_bytes;
+      return depth_bytes + colour_bytes + value_bytes;
     case StrategyKind::moment_based:  // the sum, the absorbance, which is the transmittance, and its moments
-      return colour_bytes + (1 + state.strategy.number) * value_bytes;
+      return depth_bytes + colour_bytes + (1 + state.strategy.number) * value_bytes;
     case StrategyKind::multi_layer:
-      return state.strategy.number * (colour_bytes + value_bytes);
+      return depth_bytes + state.strategy.number * (colour_bytes + value_bytes);
     case StrategyKind::stochastic:  // depths, the sum, and the transmittance
-      return state.strategy.number * value_bytes + colour_bytes + value_bytes;
+      return depth_bytes + state.strategy.number * value_bytes + colour_bytes + value_bytes;
     case StrategyKind::reference:
       return state.longest_list * sizeof(Fragment);
     default:
-      return state.has_batches() ? value_bytes : 0;
+      return depth_bytes;
   }
 }
 

@@ -51,6 +51,7 @@ enum class StrategyKind {
 struct Strategy {
   StrategyKind kind = StrategyKind::unsorted;
   Method method = Method::centroid_distance;  // of facet_sort
+  Precision precision = Precision::whole;     // of its depth keys
   DrawOrderRule rule = DrawOrderRule::galacean;  // of draw_order
   // Of presorted_buffers: how many; depth peeling: most passes that peel, 0 for as many as it takes; moment_based:
   // moments; multi_layer: layers a pixel; stochastic: samples a pixel.
@@ -64,7 +65,7 @@ struct Strategy {
   bool draws_in_order() const;
   // Whether some fragments are left out on purpose, so that coverage can't be counted.
   bool discards_fragments() const;
-  // "unsorted", "facet_sort:centroid_distance", "draw_order:three", "presorted_buffers:10", "depth_peeling",
+  // "unsorted", "facet_sort:centroid_distance", "facet_sort:centroid_distance:quantised", "draw_order:three", "presorted_buffers:10", "depth_peeling",
   // "depth_peeling:5", "auto:0.001", ...
   std::string name() const;
 };
@@ -97,11 +98,11 @@ struct SceneInput {
 // order() and draw(). Keeps its scratch. One thread at a time; parallel in the caller's task arena.
 class StrategyRenderer {
  public:
-  // The mesh's arrays must outlive it. Where facets that are not blended (AlphaMode) follow all that are, strategies of a
-  // fixed number of passes first draw those, with depth, and then order and draw the others, tested against that depth;
-  // otherwise, as by the other strategies, they are taken for blended ones of alpha 1. Preconditions: presorted_buffers
-  // gets buffers of blended_facets(mesh), with directions; draw_order gets the scene that this mesh was merged of; the
-  // strategy is not automatic.
+  // The mesh's arrays must outlive it. Where facets that are not blended (AlphaMode) follow all that are, all strategies
+  // but reference, which has its lists, and draw_order, which has its rule, first draw those, with depth, and then order
+  // and draw the others, tested against that depth; otherwise those are taken for blended ones of alpha 1.
+  // Preconditions: presorted_buffers gets buffers of blended_facets(mesh), with directions; draw_order gets the scene
+  // that this mesh was merged of; the strategy is not automatic.
   StrategyRenderer(const MeshView& mesh, const Strategy& strategy, const PresortedInput& presorted = {},
                    const SceneInput& scene = {});
   StrategyRenderer(StrategyRenderer&&) noexcept;
@@ -110,6 +111,9 @@ class StrategyRenderer {
 
   // Per-frame work before drawing: the sort (nothing for most strategies).
   void order(const View& view);
+  // Whether draw() may go on with the last order() in this view, as far as is known without ordering: from its eye and,
+  // by depth keys or objects, along its axis; with the exact orders, as ExactSorter tells. False before the first.
+  bool keeps_order(const View& view);
   // Draws with the last order(); colours are shaded inside (see shading.h).
   DrawStatistics draw(const View& view, PixelFormat format, Image& image);
 

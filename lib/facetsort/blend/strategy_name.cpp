@@ -43,7 +43,7 @@ constexpr NamedKind kinds[] = {
     {StrategyKind::reference, "reference"},
 };
 
-constexpr std::string_view separator = ":";
+constexpr std::string_view separator = ":", quantised = ":quantised";
 
 std::optional<std::size_t> number_from_text(const NamedKind& kind, std::string_view text) {
   std::size_t number = 0;
@@ -67,6 +67,28 @@ std::string text_of(double number) {
   return {text, std::to_chars(std::begin(text), std::end(text), number).ptr};
 }
 
+std::string rule_names() {
+  std::string names;
+  for (const DrawOrderRule rule : all_draw_order_rules()) {
+    if (!names.empty()) names += '|';
+    names.append(draw_order_rule_name(rule));
+  }
+  return names;
+}
+
+// A method, its depth keys quantised or not.
+std::optional<Strategy> facet_sort_from_text(std::string_view text) {
+  Strategy strategy{.kind = StrategyKind::facet_sort};
+  if (text.ends_with(quantised)) {
+    strategy.precision = Precision::quantised;
+    text.remove_suffix(quantised.size());
+  }
+  const std::optional<Method> method = method_from_name(text);
+  if (!method || (is_exact(*method) && strategy.precision == Precision::quantised)) return std::nullopt;
+  strategy.method = *method;
+  return strategy;
+}
+
 }  // namespace
 
 bool Strategy::draws_in_order() const {
@@ -86,6 +108,7 @@ std::string Strategy::name() const {
     std::string text(named.name);
     const bool has_number = named.detail == Detail::number || (named.detail == Detail::number_if_any && number > 0);
     if (named.detail == Detail::method) text.append(separator).append(method_name(method));
+    if (named.detail == Detail::method && precision == Precision::quantised) text.append(quantised);
     if (named.detail == Detail::rule) text.append(separator).append(draw_order_rule_name(rule));
     const bool has_budget = named.detail == Detail::budget_if_any && error_budget > 0;
     if (has_budget) text.append(separator).append(text_of(error_budget));
@@ -99,7 +122,7 @@ std::vector<Strategy> all_strategies() {
   std::vector<Strategy> strategies;
   for (const NamedKind& named : kinds) {
     if (named.detail == Detail::method) {
-      for (const Method method : all_methods()) strategies.push_back({named.kind, method});
+      for (const Method method : all_methods()) strategies.push_back({.kind = named.kind, .method = method});
     } else if (named.listing == Listing::always && named.detail != Detail::number && named.detail != Detail::rule &&
                named.detail != Detail::budget_if_any) {
       strategies.push_back({.kind = named.kind});
@@ -112,6 +135,8 @@ std::vector<std::string> numbered_strategy_names() {
   std::vector<std::string> names;
   for (const NamedKind& named : kinds) {
     if (named.listing == Listing::by_name) names.emplace_back(named.name);
+    if (named.detail == Detail::method) names.push_back(std::string(named.name).append(":METHOD").append(quantised));
+    if (named.detail == Detail::rule) names.push_back(std::string(named.name).append(separator).append(rule_names()));
     if (named.detail == Detail::budget_if_any) {
       names.emplace_back(named.name);
       names.push_back(std::string(named.name).append(separator).append("0..1"));
@@ -135,10 +160,7 @@ std::optional<Strategy> strategy_from_name(std::string_view name) {
   }
   const std::string_view detail = name.substr(end + separator.size());
   if (named->detail == Detail::none) return std::nullopt;
-  if (named->detail == Detail::method) {
-    const std::optional<Method> method = method_from_name(detail);
-    return method ? std::optional(Strategy{.kind = named->kind, .method = *method}) : std::nullopt;
-  }
+  if (named->detail == Detail::method) return facet_sort_from_text(detail);
   if (named->detail == Detail::rule) {
     const std::optional<DrawOrderRule> rule = draw_order_rule_from_name(detail);
     return rule ? std::optional(Strategy{.kind = named->kind, .rule = *rule}) : std::nullopt;

@@ -12,18 +12,6 @@
 
 namespace facetsort::blend_internal {
 
-struct TileTask {
-  const ProjectedMesh& projected;
-  const FacetBins& bins;
-  std::span<const glm::vec4> colours;  // premultiplied, a facet; empty: the mesh's vertex colours
-  glm::vec4 clear_colour;
-  PixelFormat format;
-  Image& image;
-};
-
-// Clears one tile, runs every pass over what the bins have there, and writes the image's part.
-void draw_tile(const TileTask& task, std::span<const DrawPass> passes, int tile);
-
 // One value a pixel of a tile, and four.
 struct alignas(64) TilePlane {
   float pixel[tile_size * tile_size];
@@ -38,20 +26,37 @@ struct DrawnTile {
   TilePlane depths;
 };
 
+struct TileTask {
+  const ProjectedMesh& projected;
+  const FacetBins& bins;
+  std::span<const glm::vec4> colours;  // premultiplied, a facet; empty: the mesh's vertex colours
+  glm::vec4 clear_colour;
+  PixelFormat format;
+  Image& image;
+  // By tile, what draw_opaque_tile() has drawn there: the others draw over it, and not behind it. Empty: nothing.
+  std::span<const DrawnTile> opaque = {};
+};
+
+// Clears one tile, runs every pass over what the bins have there, and writes the image's part.
+void draw_tile(const TileTask& task, std::span<const DrawPass> passes, int tile);
+
 // The same as draw_tile, a pass at a time: before the first; one over what the bins have there; after the last.
 void start_drawing(const TileTask& task, DrawnTile& drawn);
 void draw_pass(const TileTask& task, const DrawPass& pass, int tile, DrawnTile& drawn);
 void finish_drawing(const TileTask& task, int tile, const DrawnTile& drawn);
 
+// Clears one tile and draws the nearest of what the bins have there, depths being ScreenDepth.
+void draw_opaque_tile(const TileTask& task, int tile, DrawnTile& drawn);
+
 // What depth peeling has found in one tile so far; colours in units of the format.
 struct PeeledTile {
   TileColours front;          // layers peeled from the front, blended
-  TileColours back;           // layers peeled from the back, blended over the clear colour
+  TileColours back;           // layers peeled from the back, blended over what is opaque, or the clear colour
   TilePlane nearest, farthest;  // layers strictly between these are left
 };
 
 // Before the first pass.
-void start_peeling(const TileTask& task, PeeledTile& peeled);
+void start_peeling(const TileTask& task, int tile, PeeledTile& peeled);
 // One pass over what the bins have in a tile. Returns whether another one is needed.
 bool peel_tile(const TileTask& task, Peeling peeling, int tile, PeeledTile& peeled);
 // After the last pass: writes the image's part.

@@ -88,7 +88,7 @@ void DrawWeightedBlended(const TileTask& task, const DepthRange& range, int tile
   fill(transmittance, 1);
   task.colours.empty() ? sum_weighted<true>(task, range, tile, sums, transmittance)
                        : sum_weighted<false>(task, range, tile, sums, transmittance);
-  write_average_over_clear_colour(task, sums, transmittance, tile);
+  write_average(task, sums, transmittance, tile);
 }
 
 }  // namespace facetsort::blend_internal::HWY_NAMESPACE

@@ -132,7 +132,9 @@ std::vector<ObjectDraw> three_draws(const PlacedObjects& placed_objects, const S
   engine_camera.projection_matrix =
       camera.perspective ? glm::perspective(glm::radians(camera.vertical_fov_degrees), 1.0, nearest, farthest)
                          : glm::ortho(-half_height, half_height, -half_height, half_height, nearest, farthest);
-  engine_camera.matrix_world_inverse = glm::lookAt(camera.eye, camera.at, camera.up);
+  // How the camera is turned about its axis does not matter, and its own up may lie along that.
+  const glm::dvec3 up = std::abs(forward_of(camera).y) < 0.9 ? glm::dvec3(0, 1, 0) : glm::dvec3(1, 0, 0);
+  engine_camera.matrix_world_inverse = glm::lookAt(camera.eye, camera.at, up);
   return three_draw_order(items, engine_camera);
 }
 
@@ -143,8 +145,9 @@ std::vector<ObjectDraw> panda3d_draws(const PlacedObjects& placed_objects, const
                        .bounds_centre = world_box(object, own).centre(),
                        .two_sided = material.double_sided};
   });
-  for (std::size_t i = 0; i < items.size(); ++i)
+  for (std::size_t i = 0; i < items.size(); ++i) {
     items[i].state = placed_objects.scene.mesh_of(placed_objects.objects[i].object).material;
+  }
   return panda3d_draw_order(items, {camera.eye, forward_of(camera)}).value();  // no bin but the default ones
 }
 
