@@ -378,6 +378,32 @@ TEST_P(EveryOrder, HoldsNoMoreWhenAnOrbitIsRepeated) {
   }
 }
 
+// An orbit by a millionth of a turn a step crosses few planes; half a turn crosses some.
+TEST_P(EveryOrder, TellsWhereItHolds) {
+  const Mesh mesh = load("teapot_1k");
+  const Box box = facet_bounds(mesh.view());
+  const auto view_at = [&](double angle) {
+    const glm::vec3 direction(std::cos(angle), 0.3, std::sin(angle));
+    return SortView{glm::vec4(box.centre() + 2.5f * box.radius() * direction, 1), -direction};
+  };
+  ExactSorter sorter(mesh.view(), {.from = GetParam()});
+  EXPECT_FALSE(sorter.keeps_order(view_at(0)));
+  int kept = 0;
+  for (int k = 0; k < 40; ++k) {
+    const SortView view = view_at(0.3 + k * 6e-6);
+    const std::span<const std::uint32_t> ids = sorter.sort(view);
+    const std::vector<std::uint32_t> order(ids.begin(), ids.end());
+    EXPECT_TRUE(sorter.keeps_order(view));
+    const SortView next = view_at(0.3 + (k + 1) * 6e-6);
+    if (!sorter.keeps_order(next)) continue;
+    ++kept;
+    const std::span<const std::uint32_t> next_ids = sorter.sort(next);
+    ASSERT_TRUE(std::equal(order.begin(), order.end(), next_ids.begin(), next_ids.end()));
+  }
+  EXPECT_EQ(kept > 10, GetParam() == OrderFrom::presorted) << kept;
+  EXPECT_FALSE(sorter.keeps_order(view_at(3)));
+}
+
 TEST_P(EveryOrder, MovedSorterGoesOn) {
   const Mesh mesh = shapes::interpenetrating(1);
   const SortView view = views_of(mesh)[1];

@@ -310,6 +310,33 @@ TEST(PresortedReader, KnowsTheEyeThatItReadFor) {
   EXPECT_EQ(read(reader, data.view(), eyes()[0]), first);
 }
 
+TEST(PresortedReader, TellsWhetherAMovedEyeKeepsTheOrder) {
+  const PresortedData data = TreeMaker(8).make(60, &split_anywhere);
+  for (const bool culls : {false, true}) {
+    SCOPED_TRACE(culls);
+    PresortedReader reader(data.view(), {.cull_back_faces = culls});
+    EXPECT_FALSE(reader.keeps_order(journey()[0]));
+    Drawn last;
+    int kept = 0, changed = 0;
+    for (const glm::vec4& eye : journey()) {
+      PresortedReader other(data.view(), {.cull_back_faces = culls});
+      const Drawn expected = read(other, data.view(), eye);
+      if (reader.keeps_order(eye)) {
+        ASSERT_EQ(last, expected);
+        ++kept;
+      } else {
+        EXPECT_FALSE(reader.is_read_for(eye));
+        last = read(reader, data.view(), eye);
+        ASSERT_EQ(last, expected);
+        ++changed;
+      }
+      EXPECT_TRUE(reader.is_read_for(eye));
+    }
+    EXPECT_GT(kept, 50);
+    EXPECT_GT(changed, 15);
+  }
+}
+
 std::vector<Drawn> drawn_on_a_journey(const PresortedData& data) {
   std::vector<Drawn> result;
   const std::vector<glm::vec4> all = journey();

@@ -51,6 +51,16 @@ std::vector<SortView> outside_views(const Mesh& mesh) {
   return views;
 }
 
+TEST(Quantised, KeysHaveTwelveToSixteenBits) {
+  EXPECT_EQ(key_bits(Precision::whole, 5), 32);
+  EXPECT_EQ(key_bits(Precision::whole, 1'000'000), 32);
+  EXPECT_EQ(key_bits(Precision::quantised, 1023), 32);  // whole
+  EXPECT_EQ(key_bits(Precision::quantised, 1024), 12);
+  EXPECT_EQ(key_bits(Precision::quantised, 8192), 12);
+  EXPECT_EQ(key_bits(Precision::quantised, 8200), 13);
+  EXPECT_EQ(key_bits(Precision::quantised, 10'000'000), 16);
+}
+
 TEST(Quantised, NoFacetIsFarFromItsPlaceHoweverDepthsAreSpread) {
   for (const auto& [name, mesh] : uneven_meshes()) {
     SCOPED_TRACE(name);

@@ -323,6 +323,25 @@ TEST(SorterOutput, DoesNothingForTheSameViewAgain) {
   EXPECT_FALSE(sorter.is_sorted_for(view));
 }
 
+// Where the camera only turns, keys of distance stay; planes count where they cull.
+TEST(SorterOutput, ComparesOfTheViewWhatItUses) {
+  const Mesh mesh = load("hand_2k");
+  const SortView view = inside_and_outside_views(mesh)[0];
+  SortView turned = view, clipped = view, orthographic{glm::vec4(0, 0, 1, 0), glm::vec3(0, 0, -1)};
+  turned.forward = glm::vec3(0.1f, 0.9f, 0);
+  const glm::vec4 plane(1, 0, 0, 0);
+  clipped.clip_planes = std::span(&plane, 1);
+  for (const Method method : depth_key_methods()) {
+    Sorter sorter(mesh.view(), method);
+    sorter.sort(view);
+    EXPECT_EQ(sorter.is_sorted_for(turned), method == Method::centroid_distance) << method_name(method);
+    EXPECT_TRUE(sorter.is_sorted_for(clipped));
+    sorter.sort(orthographic);
+    orthographic.forward = turned.forward;
+    EXPECT_TRUE(sorter.is_sorted_for(orthographic));
+  }
+}
+
 TEST(SorterOutput, AllocatesNothingAfterTheFirstCallOfEach) {
   const Mesh mesh = shapes::torus_knot(150000);
   const std::vector<FacetRange> ranges{{0, 50000}, {50000, 1000}, {51000, 90000}};

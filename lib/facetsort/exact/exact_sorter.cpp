@@ -88,6 +88,7 @@ struct ExactSorter::State {
   PartList& parts = parted.pieces;  // prepared pieces, then those of the last view
   std::vector<Piece> pieces;        // the same, for drawing
   bool triangles_counted = false;   // of the last view
+  std::optional<Eye> last_eye;
   std::size_t prepared_pieces = 0, prepared_points = 0, prepared_bytes = 0;
   std::optional<OrderTree> tree;
   std::vector<std::uint32_t> without_area;  // draw ids, where there is a tree
@@ -339,6 +340,7 @@ ExactSorter::~ExactSorter() = default;
 
 std::span<const std::uint32_t> ExactSorter::sort(const SortView& view) {
   State& state = *state_;
+  state.last_eye = view.eye;
   if (state.presorted) {
     Stopwatch stopwatch;
     const std::span<const std::uint32_t> order = state.presorted->read(view.eye);
@@ -354,6 +356,12 @@ std::span<const std::uint32_t> ExactSorter::sort(const SortView& view) {
   }
   state.statistics.pieces = state.order.size();
   return state.order;
+}
+
+bool ExactSorter::keeps_order(const SortView& view) {
+  State& state = *state_;
+  if (!state.last_eye) return false;
+  return *state.last_eye == view.eye || (state.presorted && state.presorted->keeps_order(view.eye));
 }
 
 Pieces ExactSorter::pieces() const {

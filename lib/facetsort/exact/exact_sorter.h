@@ -106,6 +106,10 @@ class ExactSorter {
   // Precondition: view.eye is finite; w = 1, or w = 0 and not a zero direction.
   std::span<const std::uint32_t> sort(const SortView& view);
 
+  // Whether the last sort() gave an order that is right for this view too, as far as is known without sorting: its eye is
+  // the same, or, of a presorted mesh, no plane of the tree lies between the two eyes. False before the first.
+  bool keeps_order(const SortView& view);
+
   // Of the last sort(). The first call of statistics() after a sort() that cut something counts triangles, which takes
   // time.
   Pieces pieces() const;

@@ -25,6 +25,9 @@ class PresortedOrder {
   // Draw ids. Does all of the work whatever the last eye was. Valid until the next call.
   std::span<const std::uint32_t> read(const Eye& eye);
 
+  // Whether read() would give what it last gave (see PresortedReader).
+  bool keeps_order(const Eye& eye) { return reader_.keeps_order(eye); }
+
   Pieces pieces() const { return {pieces_, view_.cuts, view_.planes}; }
   OrderedTriangles triangles() const;  // of the last eye
   const PresortedView& view() const { return view_; }

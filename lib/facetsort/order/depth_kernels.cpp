@@ -139,7 +139,7 @@ void order_block(const PresortedBlocks& blocks, std::size_t b, const BlockOrders
   HWY_DYNAMIC_DISPATCH(OrderBlock)(blocks, b, orders);
 }
 
-bool order_blocks(const PresortedBlocks& blocks, const PlaneSource& source, std::size_t begin, std::size_t end,
+BlockChanges order_blocks(const PresortedBlocks& blocks, const PlaneSource& source, std::size_t begin, std::size_t end,
                   const FrameEye& eye, double way, const BlockOrders& orders) {
   return HWY_DYNAMIC_DISPATCH(OrderBlocks)(blocks, source, begin, end, eye, way, orders);
 }

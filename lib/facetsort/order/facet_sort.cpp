@@ -70,6 +70,10 @@ std::size_t part_begin(std::size_t begin, std::size_t end, std::size_t part, std
 
 }  // namespace
 
+std::size_t steps_of_quantised_keys(std::size_t facets) {
+  return facets < least_quantised ? 0 : step_count(facets);
+}
+
 std::size_t FacetSort::reserve(std::size_t facets) {
   const auto most = static_cast<std::size_t>(tbb::this_task_arena::max_concurrency());
   const std::size_t threads = std::clamp<std::size_t>(facets / facets_of_thread, 1, most);

@@ -40,6 +40,9 @@ void for_threads(std::size_t count, const Body& body) {
 
 enum class Keys { quantised, whole };
 
+// 0 where there are so few facets that their keys are whole.
+std::size_t steps_of_quantised_keys(std::size_t facets);
+
 // Sorts ranges of the facets of one mesh. Allocates where it needs more memory than ever before.
 class FacetSort {
  public:

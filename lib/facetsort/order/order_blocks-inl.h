@@ -143,10 +143,10 @@ void OrderBlock(const PresortedBlocks& blocks, std::size_t b, const BlockOrders&
   blocks.facings.empty() ? order_block<false>(blocks, b, orders) : order_block<true>(blocks, b, orders);
 }
 
-bool OrderBlocks(const PresortedBlocks& blocks, const PlaneSource& source, std::size_t begin, std::size_t end,
-                 const FrameEye& eye, double way, const BlockOrders& orders) {
+BlockChanges OrderBlocks(const PresortedBlocks& blocks, const PlaneSource& source, std::size_t begin, std::size_t end,
+                         const FrameEye& eye, double way, const BlockOrders& orders) {
   const EyeVectors e = eye_of(eye);
-  bool changed = false;
+  BlockChanges changes;
   for (std::size_t b = begin; b < end; ++b) {
     BlockOrders::State& state = orders.states[b];
     const Block& block = blocks.blocks[b];
@@ -158,9 +158,10 @@ bool OrderBlocks(const PresortedBlocks& blocks, const PlaneSource& source, std::
     state.sides = sides;
     const std::uint8_t kept = orders.kept[b];
     OrderBlock(blocks, b, orders);
-    changed = changed || kept != orders.kept[b];
+    changes.orders = true;
+    changes.counts = changes.counts || kept != orders.kept[b];
   }
-  return changed;
+  return changes;
 }
 
 }  // namespace facetsort::order_internal::HWY_NAMESPACE

@@ -37,8 +37,13 @@ struct BlockOrders {
 
 // Orders block `b` as its state's sides have it.
 void order_block(const PresortedBlocks& blocks, std::size_t b, const BlockOrders& orders);
-// Brings blocks [begin, end) to an eye that has gone `way` by now. Whether any keeps another number of triangles.
-bool order_blocks(const PresortedBlocks& blocks, const PlaneSource& source, std::size_t begin, std::size_t end,
+// What an eye's move changes of some blocks: what comes in which order; how many triangles are drawn.
+struct BlockChanges {
+  bool orders = false, counts = false;
+};
+
+// Brings blocks [begin, end) to an eye that has gone `way` by now.
+BlockChanges order_blocks(const PresortedBlocks& blocks, const PlaneSource& source, std::size_t begin, std::size_t end,
                   const FrameEye& eye, double way, const BlockOrders& orders);
 
 }  // namespace facetsort::order_internal

@@ -79,7 +79,7 @@ struct PresortedReader::State {
   std::size_t drawn() const { return offsets.back(); }
 
   void go_to(const glm::vec4& eye);
-  bool order_all_blocks(const FrameEye& eye);
+  BlockChanges order_all_blocks(const FrameEye& eye);
   bool find_top_sides(const FrameEye& eye);
   void order_top();
   template <typename Write>
@@ -99,6 +99,7 @@ struct PresortedReader::State {
   std::vector<std::uint32_t> draw_ids;  // of the piece that begins with it, or none; once asked for
   std::optional<FrameEye> last_eye;
   double way = 0;  // of the eye since blocks began to count it
+  bool is_read = false;  // the order that is there now
 };
 
 void PresortedReader::State::go_to(const glm::vec4& eye) {
@@ -110,18 +111,21 @@ void PresortedReader::State::go_to(const glm::vec4& eye) {
     for (BlockOrders::State& state : block_states) state.valid_until = 0;
   }
   last_eye = next;
-  const bool counts_changed = order_all_blocks(next), order_changed = find_top_sides(next);
-  if (counts_changed || order_changed) order_top();
+  const BlockChanges changes = order_all_blocks(next);
+  const bool order_changed = find_top_sides(next);
+  if (changes.counts || order_changed) order_top();
+  is_read = is_read && !changes.orders && !order_changed;
 }
 
-// Whether any block draws another number of triangles.
-bool PresortedReader::State::order_all_blocks(const FrameEye& eye) {
+BlockChanges PresortedReader::State::order_all_blocks(const FrameEye& eye) {
   const PlaneSource source{blocks.planes, mesh.nodes, mesh.mesh.positions};
-  std::atomic<bool> changed = false;
+  std::atomic<bool> new_orders = false, new_counts = false;
   parallel_ranges(blocks.blocks.size(), blocks_per_task, [&](std::size_t begin, std::size_t end) {
-    if (order_blocks(blocks, source, begin, end, eye, way, block_orders())) changed = true;
+    const BlockChanges changes = order_blocks(blocks, source, begin, end, eye, way, block_orders());
+    if (changes.orders) new_orders = true;
+    if (changes.counts) new_counts = true;
   });
-  return changed;
+  return {new_orders, new_counts};
 }
 
 // Whether any has changed.
@@ -209,6 +213,7 @@ std::size_t PresortedReader::read_indices(const glm::vec4& eye, std::span<std::u
         if (ids.empty()) return;
         for (std::size_t k = 0; k < count; ++k) ids[offset + k] = state.facets[first + order[k]];
       });
+  state.is_read = true;
   return state.drawn();
 }
 
@@ -225,11 +230,17 @@ std::size_t PresortedReader::read_draw_ids(const glm::vec4& eye, std::span<std::
       if (id != no_draw_id) ids[count++] = id;
     }
   }
+  state.is_read = true;
   return count;
 }
 
 bool PresortedReader::is_read_for(const glm::vec4& eye) const {
-  return state_->last_eye && state_->last_eye->eye == eye;
+  return state_->is_read && state_->last_eye && state_->last_eye->eye == eye;
+}
+
+bool PresortedReader::keeps_order(const glm::vec4& eye) {
+  state_->go_to(eye);
+  return state_->is_read;
 }
 
 void PresortedReader::forget_eye() {

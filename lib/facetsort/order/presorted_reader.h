@@ -50,6 +50,10 @@ class PresortedReader {
   // Whether the last reading was for this eye, so that another would give the same: a renderer that still has what it
   // gave can leave it.
   bool is_read_for(const glm::vec4& eye) const;
+  // Goes to an eye without reading: whether the order from there is the one that was last read. It is where no plane of
+  // the tree lies between the two eyes; what it costs is what a reading spends on finding that out. Precondition: as of
+  // the reading functions.
+  bool keeps_order(const glm::vec4& eye);
   // Lets the next call do all of its work whatever its eye, as after a jump: for timing.
   void forget_eye();
 

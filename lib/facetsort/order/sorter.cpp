@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <bit>
 #include <cassert>
 #include <cmath>
 #include <cstring>
@@ -184,17 +185,23 @@ void Sorter::State::prepare(std::span<const glm::uvec3> triangles, const Strided
 }
 
 bool Sorter::State::is_sorted_for(const SortView& other) const {
-  return has_view && view.eye == other.eye && view.forward == other.forward &&
-         std::equal(view.clip_planes.begin(), view.clip_planes.end(), other.clip_planes.begin(),
-                    other.clip_planes.end());
+  if (!has_view || view.eye != other.eye) return false;
+  const bool uses_axis = options.method != Method::centroid_distance && view.eye.w != 0;
+  if (uses_axis && view.forward != other.forward) return false;
+  return !options.cull_by_clip_planes || std::equal(view.clip_planes.begin(), view.clip_planes.end(),
+                                                    other.clip_planes.begin(), other.clip_planes.end());
 }
 
 void Sorter::State::remember(const SortView& sorted_view) {
   has_view = true;
   asked_keys_are_current = false;
   view = sorted_view;
-  std::copy(sorted_view.clip_planes.begin(), sorted_view.clip_planes.end(), view_planes.begin());
-  view.clip_planes = std::span(view_planes).first(sorted_view.clip_planes.size());
+  view.clip_planes = {};
+  if (!options.cull_by_clip_planes) return;
+  assert(sorted_view.clip_planes.size() <= view_planes.size());
+  const std::size_t planes = std::min(sorted_view.clip_planes.size(), view_planes.size());
+  std::copy_n(sorted_view.clip_planes.begin(), planes, view_planes.begin());
+  view.clip_planes = std::span(view_planes).first(planes);
 }
 
 // Of the view remembered.
@@ -387,6 +394,11 @@ std::size_t Sorter::prepared_bytes() const {
 std::size_t Sorter::memory_bytes() const {
   const State& state = *state_;
   return state.prepared_bytes() + state.facet_sort.bytes() + state.asked_keys.bytes();
+}
+
+int key_bits(Precision precision, std::size_t facets) {
+  const std::size_t steps = precision == Precision::quantised ? steps_of_quantised_keys(facets) : 0;
+  return steps == 0 ? std::numeric_limits<std::uint32_t>::digits : static_cast<int>(std::bit_width(steps - 1));
 }
 
 std::vector<std::uint32_t> sort_facets(const MeshView& mesh, const SortView& view, Method method) {

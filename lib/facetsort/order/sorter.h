@@ -45,6 +45,9 @@ enum class Precision {
   whole,
 };
 
+// Bits of the keys that tell the depths of so many facets apart: 32 where they are whole.
+int key_bits(Precision precision, std::size_t facets);
+
 struct SorterOptions {
   Method method = Method::centroid_distance;  // one of depth_key_methods()
   Direction direction = Direction::back_to_front;

@@ -10,6 +10,7 @@
 #include "facetsort/base/stopwatch.h"
 #include "facetsort/exact/predicates.h"
 #include "facetsort/facets/facets.h"
+#include "facetsort/order/sorter.h"
 #include "facetsort/plan/appearance.h"
 #include "facetsort/plan/planned_mesh.h"
 #include "facetsort/plan/time_strategies.h"
@@ -183,8 +184,7 @@ bool Planner::by_shape() {
 std::optional<std::size_t> Planner::layers_to_keep() const {
   const std::size_t parts = planned.parts.count();
   std::size_t most = blended_.facet_count();
-  if (blended_.facet_count() < mesh_.facet_count()) ++most;  // the opaque facet behind
-  if (parts > 0 && blended_.facet_count() == mesh_.facet_count()) most = std::min(most, 2 * parts);
+  if (parts > 0) most = std::min(most, 2 * parts);
   // Beyond those that matter one more is kept: it holds what the farthest were merged into.
   if (planned.plan.layers_that_matter) most = std::min(most, *planned.plan.layers_that_matter + 1);
   if (most > std::size_t{most_kept_layers}) return std::nullopt;
@@ -245,6 +245,13 @@ void Planner::time_measured(WrongPixels& wrong) {
                                    {.kind = StrategyKind::separate_culling_pass},
                                    {.kind = StrategyKind::facet_sort, .method = Method::centroid_distance},
                                    {.kind = StrategyKind::facet_sort, .method = Method::farthest_vertex}};
+  const std::size_t facets = blended_.facet_count();
+  if (key_bits(Precision::quantised, facets) < key_bits(Precision::whole, facets)) {
+    for (const Method method : {Method::centroid_distance, Method::farthest_vertex}) {
+      strategies.push_back(
+          {.kind = StrategyKind::facet_sort, .method = method, .precision = Precision::quantised});
+    }
+  }
   if (presorted_.buffers != nullptr && !presorted_.buffers->needs_culling) {
     strategies.push_back({.kind = StrategyKind::presorted_buffers, .number = presorted_.buffers->buffer_count});
   }
@@ -289,6 +296,11 @@ void Planner::by_times() {
                        " ms a frame, where drawing unsorted takes " + text_of(floor_ms);
   if (chosen.strategy.kind == StrategyKind::multi_layer) {
     reason += "; the nearest " + counted(chosen.strategy.number, "layer") + " of a pixel are all that shows";
+  }
+  if (chosen.strategy.precision == Precision::quantised) {
+    const std::string bits = std::to_string(key_bits(Precision::quantised, blended_.facet_count()));
+    reason += "; keys of " + bits + " bits are enough";
+    leave_out("whole keys", "those of " + bits + " bits keep the budget and take less time to sort");
   }
   if (chosen.certainty == Certainty::measured) {
     reason += "; " + text_of(100 * chosen.worst_wrong) + " % of the pixels wrong in the worst of " +

@@ -16,25 +16,18 @@ PlannedRenderer::PlannedRenderer(const MeshView& mesh, const PlanOptions& option
   culling_.emplace(mesh, Strategy{.kind = StrategyKind::separate_culling_pass});
 }
 
-bool PlannedRenderer::still_holds(const Ordered& now) const {
-  if (!last_ || last_->eye != now.eye) return false;
-  const Strategy& strategy = renderer().strategy();
-  const bool uses_axis = strategy.kind == StrategyKind::facet_sort && !is_exact(strategy.method);
-  return !uses_axis || last_->forward == now.forward;
-}
-
 void PlannedRenderer::order(const View& view) {
-  const Ordered now{view.homogeneous_eye(), view.forward()};
   ++statistics_.frames;
-  if (still_holds(now)) {
+  const bool culls = culling_ && parts_.are_apart_from(view.homogeneous_eye());
+  if (has_order_ && culls == uses_culling_ && renderer().keeps_order(view)) {
     ++statistics_.kept;
     return;
   }
-  uses_culling_ = culling_ && parts_.are_apart_from(now.eye);
+  uses_culling_ = culls;
   renderer().order(view);
   const StrategyKind kind = renderer().strategy().kind;
   statistics_.unsorted += kind != StrategyKind::facet_sort && kind != StrategyKind::presorted_buffers;
-  last_ = now;
+  has_order_ = true;
 }
 
 }  // namespace facetsort

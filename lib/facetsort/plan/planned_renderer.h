@@ -12,7 +12,7 @@ namespace facetsort {
 
 struct PlannedStatistics {
   std::size_t frames = 0;    // ordered
-  std::size_t kept = 0;      // of those, with the last one's order: of the same eye and, by depth keys, the same axis
+  std::size_t kept = 0;      // of those, with the last one's order (see StrategyRenderer::keeps_order())
   std::size_t unsorted = 0;  // of those, in which nothing had to be sorted
 };
 
@@ -24,7 +24,7 @@ class PlannedRenderer {
 
   void order(const View& view);
   // Lets the next order() do all of its work: for timing.
-  void forget_view() { last_.reset(); }
+  void forget_view() { has_order_ = false; }
 
   // With what the last order() found right: the plan's strategy, or back faces before front faces.
   StrategyRenderer& renderer() { return uses_culling_ ? *culling_ : *planned_; }
@@ -33,18 +33,10 @@ class PlannedRenderer {
   const PlannedStatistics& statistics() const { return statistics_; }
 
  private:
-  struct Ordered {
-    glm::vec4 eye;
-    glm::vec3 forward;
-  };
-
-  bool still_holds(const Ordered& now) const;
-
   MeshPlan plan_;
   ConvexParts parts_;
   std::optional<StrategyRenderer> planned_, culling_;
-  bool uses_culling_ = false;
-  std::optional<Ordered> last_;
+  bool uses_culling_ = false, has_order_ = false;
   PlannedStatistics statistics_;
 };
 
