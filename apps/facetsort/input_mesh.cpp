@@ -17,11 +17,6 @@ Mesh copy_of(const MeshView& view) {
   return {copy(view.positions), copy(view.triangles), copy(view.facet_colours), copy(view.vertex_colours)};
 }
 
-bool is_scene(const std::filesystem::path& path) {
-  const std::string extension = extension_of(path);
-  return extension == ".gltf" || extension == ".glb" || std::filesystem::is_directory(path);
-}
-
 void measure_bounds(InputMesh& input) {
   input.bounds = facet_bounds(input.mesh.view());
   const float radius = input.bounds.radius();
@@ -30,6 +25,11 @@ void measure_bounds(InputMesh& input) {
 }
 
 }  // namespace
+
+bool is_scene(const std::filesystem::path& path) {
+  const std::string extension = extension_of(path);
+  return extension == ".gltf" || extension == ".glb" || std::filesystem::is_directory(path);
+}
 
 InputMesh read_input_mesh(const std::filesystem::path& path) {
   InputMesh input;

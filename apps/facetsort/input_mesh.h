@@ -28,13 +28,16 @@ struct InputMesh {
   // What the file has of a presorted mesh.
   PresortedInput presorted_input() const {
     if (!presorted) return {};
-    return {presorted->view().pieces.empty() ? nullptr : &presorted->view(), presorted->index_buffers()};
+    return {presorted->has_tree() ? &presorted->view() : nullptr, presorted->index_buffers()};
   }
   SceneInput scene_input() const {
     if (!scene) return {};
     return {&*scene, objects};
   }
 };
+
+// By its name: a glTF file, or a folder.
+bool is_scene(const std::filesystem::path& path);
 
 // A mesh, or the mesh in a presorted one. Throws Failure where the file is neither, or one too large for float32 to
 // measure.

@@ -16,6 +16,7 @@
 #include "input_mesh.h"
 #include "order_file.h"
 #include "output.h"
+#include "scene_order.h"
 #include "verbs.h"
 #include "view_options.h"
 
@@ -171,10 +172,15 @@ void order_exactly(const OrderOptions& options, const CommonOptions& common, con
 }
 
 ExitStatus run_order(const OrderOptions& options, const CommonOptions& common) {
-  require_output_file(options.output, {".u32", ".ply"});
+  require_output_file(options.output, {".u32", ".ply", ".glb", ".gltf"});
   if (options.max_growth && !is_exact(options.method)) {
     throw Failure("--max-growth is an option of the exact methods: nothing else cuts");
   }
+  if (const std::string extension = extension_of(options.output); extension == ".glb" || extension == ".gltf") {
+    order_scene({options.mesh, options.output, options.view, options.method, options.max_growth}, common);
+    return ExitStatus::done;
+  }
+  if (is_scene(options.mesh)) throw Failure(options.mesh + ": a scene, whose order needs a .glb or .gltf as output");
   const InputMesh input = read_input_mesh(options.mesh);
   const View view = make_view(options.view, input.bounds);
   const SortView eye{view.homogeneous_eye(), view.forward()};
@@ -191,14 +197,19 @@ ExitStatus run_order(const OrderOptions& options, const CommonOptions& common) {
 Verb add_order(CLI::App& program, const CommonOptions& common) {
   const auto options = std::make_shared<OrderOptions>();
   CLI::App* command = program.add_subcommand("order", "The draw order of a mesh's facets for one view, farthest first");
-  command->add_option("MESH", options->mesh, "PLY, OBJ, OFF, STL or presorted .fsort file")->required()->type_name("");
+  command
+      ->add_option("MESH", options->mesh,
+                   "PLY, OBJ, OFF, STL or presorted .fsort file; or a scene: a glTF file, or a folder")
+      ->required()
+      ->type_name("");
   add_view_options(*command, options->view);
   add_method_option(*command, options->method);
   add_growth_option(*command, options->max_growth);
   command
       ->add_option("-o,--output", options->output,
                    "OUT.u32: little-endian 32-bit facet ids, where no facet is cut; OUT.ply: the triangles in draw "
-                   "order, each with the id of its facet as `source`")
+                   "order, each with the id of its facet as `source`; OUT.glb or OUT.gltf: the scene, the facets of its "
+                   "blended objects sorted together, each object's in that order")
       ->required()
       ->type_name("OUT");
   command->footer("Example: facetsort order meshes/teapot_1k.ply --eye 30,20,40 --method exact -o teapot.ply");

@@ -7,8 +7,12 @@
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "apps/run_program.h"
+#include "facetsort/mesh/read.h"
+#include "facetsort/scene/read_scene.h"
+#include "facetsort/scene/scene_sorter.h"
 #include "facetsort/scene/write_scene.h"
 #include "shapes.h"
 
@@ -69,6 +73,48 @@ TEST(Scenes, AreComparedByEnginesOrdersToo) {
   EXPECT_GT(wrong["unsorted"], 100u);
 }
 
+TEST(Scenes, AreWrittenInDrawOrder) {
+  const TemporaryFolder folder;
+  const Scene scene = spheres_and_box();
+  const std::string path = write_scene_file(folder, "things.glb", scene);
+  for (const char* name : {"ordered.glb", "ordered.gltf"}) {
+    const std::string output = (folder.path() / name).string();
+    const Finished finished =
+        run_program({"order", path, "--eye", "1,2,8", "--method", "exact", "-o", output, "--json"});
+    ASSERT_EQ(finished.status, 0) << finished.error;
+    const Json told = Json::parse(finished.output);
+    EXPECT_EQ(told.at("blended_objects"), 2);
+    EXPECT_EQ(told.at("facets"), 2 * 320);
+    EXPECT_EQ(told.at("cut_facets"), 0);
+    EXPECT_EQ(told.at("draws"), 2);  // one behind the other
+    ASSERT_EQ(told.at("choices").size(), 3u);
+    EXPECT_EQ(told.at("choices")[0].at("choice"), "whole_objects");
+
+    const Result<Scene> read = read_scene(output);
+    ASSERT_TRUE(read.ok()) << read.status().message;
+    ASSERT_EQ(read.value().objects.size(), scene.objects.size());
+    EXPECT_EQ(read.value().mesh_of(0).triangles, scene.meshes[0].triangles);  // opaque
+    auto sorter = SceneSorter::create(scene, blended_objects(scene));
+    ASSERT_TRUE(sorter.ok());
+    const SceneOrder order = sorter.value().sort({.eye = {1, 2, 8, 1}});
+    const std::vector<ObjectOrder> orders = object_orders(scene, sorter.value().merged(), order.facets);
+    for (std::uint32_t object = 1; object < 3; ++object) {
+      SCOPED_TRACE(object);
+      const std::vector<glm::uvec3>& found = read.value().mesh_of(object).triangles;
+      ASSERT_EQ(found.size(), 320u);
+      for (std::size_t i = 0; i < found.size(); ++i) {
+        ASSERT_EQ(found[i], scene.mesh_of(object).triangles[orders[object][i]]) << i;
+      }
+      EXPECT_NE(found, scene.mesh_of(object).triangles);
+    }
+  }
+  // A mesh is a scene of one object.
+  const std::string knot = write_mesh(folder, "knot.ply", shapes::torus_knot(600));
+  const std::string output = (folder.path() / "knot.glb").string();
+  ASSERT_EQ(run_program({"order", knot, "--eye", "1,2,8", "-o", output}).status, 0);
+  EXPECT_EQ(read_scene(output).value().meshes[0].triangles.size(), read_mesh(knot).value().triangles.size());
+}
+
 TEST(Scenes, FoldersOfMeshesAreScenes) {
   const TemporaryFolder folder, scene;
   write_mesh(scene, "a.ply", shapes::box());
@@ -102,6 +148,17 @@ TEST(Scenes, BadOnesGetOneLine) {
   const Finished presort = run_program({"presort", scene, "-o", (folder.path() / "a.fsort").string()});
   EXPECT_EQ(presort.status, 2);
   EXPECT_TRUE(presort.error.starts_with("facetsort: " + scene + ": ")) << presort.error;
+  const Finished order =
+      run_program({"order", scene, "--eye", "1,2,8", "-o", (folder.path() / "a.u32").string()});
+  EXPECT_EQ(order.status, 2);
+  EXPECT_EQ(order.error, "facetsort: " + scene + ": a scene, whose order needs a .glb or .gltf as output\n");
+  const std::string sorted = (folder.path() / "sorted.glb").string();
+  Scene opaque = spheres_and_box();
+  opaque.materials[1].material.alpha_mode = AlphaMode::opaque;
+  const std::string stones = write_scene_file(folder, "stones.glb", opaque);
+  EXPECT_EQ(run_program({"order", stones, "--eye", "1,2,8", "-o", sorted}).error,
+            "facetsort: " + stones + ": no object is blended: there is nothing to sort\n");
+  EXPECT_FALSE(std::filesystem::exists(sorted));
 }
 
 }  // namespace
