@@ -164,7 +164,8 @@ CLI::Option* add_error_option(CLI::App& command, std::optional<double>& max_erro
   return command
       .add_option_function<std::string>(
           "--max-error", parse,
-          "As few index buffers as have a mean share of inverted pixels of at most this: 0.0001 for 0.01 %")
+          "As few index buffers as have a mean share of inverted pixels of at most this, 0.0001 for "
+          "0.01 %: at most --buffers of them, or 1000; exits with 1 where that is not enough")
       ->type_name("E");
 }
 

@@ -27,10 +27,8 @@ void add_common_options(CLI::App& command, CommonOptions& common) {
   add_count_option(command, "--threads", common.threads, most_threads, "Threads to run on [one a hardware thread]");
 }
 
-// What a parser or the library says, as the one line that stands for it.
-ExitStatus fail(std::string message) {
-  while (!message.empty() && message.back() == '\n') message.pop_back();
-  std::cerr << "facetsort: " << printable(message) << '\n';
+ExitStatus fail(const std::string& message) {
+  print_failure(message);
   return ExitStatus::failed;
 }
 

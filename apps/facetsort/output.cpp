@@ -25,6 +25,11 @@ void print_facts(const Facts& facts) {
   }
 }
 
+void print_failure(std::string message) {
+  while (!message.empty() && message.back() == '\n') message.pop_back();
+  std::cerr << "facetsort: " << printable(message) << '\n';
+}
+
 std::string printable(std::string text) {
   std::replace_if(
       text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, '?');

@@ -22,6 +22,9 @@ void print_text(std::string_view text);
 using Facts = std::vector<std::pair<std::string, std::string>>;
 void print_facts(const Facts& facts);
 
+// What a parser or the library says, as the one line on standard error that stands for it.
+void print_failure(std::string message);
+
 // Text from outside as part of one line for a terminal: control characters become '?'.
 std::string printable(std::string text);
 

@@ -36,7 +36,7 @@ constexpr int most_effort = 1000;
 struct PresortVerbOptions {
   std::vector<std::string> meshes;
   std::filesystem::path output;
-  int effort = 1;
+  int effort = 1;  // of a tree
   std::optional<double> max_growth;
   int buffers = 0;  // 0: a tree, unless max_error is given
   std::optional<double> max_error;
@@ -108,6 +108,7 @@ struct Outcome {
   double presort_ms = 0, write_ms = 0;
   std::uintmax_t file_bytes = 0;
   std::size_t peak_bytes = 0;  // of the program, up to here
+  bool misses_max_error = false;
 
   double growth() const {
     return facets == 0 ? 1 : static_cast<double>(statistics.triangles) / static_cast<double>(facets);
@@ -132,7 +133,9 @@ Presorted presort_input(const InputMesh& input, const PresortVerbOptions& option
 }
 
 IndexBuffers make_buffers(const InputMesh& input, const MeshView& mesh, const PresortVerbOptions& options) {
-  IndexBuffersOptions buffer_options{.max_error = options.max_error, .with_culling = options.with_culling};
+  IndexBuffersOptions buffer_options{.most_buffers = Strategy::most_buffers,
+                                     .max_error = options.max_error,
+                                     .with_culling = options.with_culling};
   if (options.buffers > 0) buffer_options.most_buffers = static_cast<std::size_t>(options.buffers);
   Progress progress(1);
   buffer_options.progress = [&](double share) {
@@ -148,10 +151,15 @@ IndexBuffers make_buffers(const InputMesh& input, const MeshView& mesh, const Pr
 void presort_into_buffers(const InputMesh& input, const std::filesystem::path& output,
                           const PresortVerbOptions& options, Outcome& outcome) {
   Mesh cut;
-  if (options.cut_crossing) cut = mesh_of(input.mesh, ExactSorter(input.mesh.view()).triangles());
+  if (options.cut_crossing) {
+    ExactOptions exact;
+    exact.max_growth = options.max_growth.value_or(exact.max_growth);
+    cut = mesh_of(input.mesh, ExactSorter(input.mesh.view(), exact).triangles());
+  }
   const MeshView mesh = options.cut_crossing ? cut.view() : input.mesh.view();
   outcome.statistics.triangles = mesh.facet_count();
   outcome.presort_ms = time_median([&] { outcome.buffers = make_buffers(input, mesh, options); }, 1).median_ms;
+  outcome.misses_max_error = options.max_error && outcome.buffers->mean_inverted_rate > *options.max_error;
   const auto write = [&] {
     if (extension_of(output) == ".fsort") {
       PresortedView no_tree;
@@ -197,6 +205,7 @@ Json outcome_json(const Outcome& outcome) {
     json["needs_culling"] = outcome.buffers->needs_culling;
     json["mean_inverted_rate"] = outcome.buffers->mean_inverted_rate;
     json["worst_inverted_rate"] = outcome.buffers->worst_inverted_rate;
+    json["misses_max_error"] = outcome.misses_max_error;
   } else {
     json["crossing_pairs"] = s.crossing_pairs;
     json["crossing_cuts"] = s.crossing_cuts;
@@ -231,6 +240,7 @@ Facts outcome_facts(const Outcome& outcome) {
                                       (buffers.needs_culling ? ", drawn without back faces" : ""));
     facts.emplace_back("inverted", percent_text(buffers.mean_inverted_rate) + " % of the pixels in the mean, " +
                                        percent_text(buffers.worst_inverted_rate) + " % in the worst view");
+    if (outcome.misses_max_error) facts.emplace_back("NOT REACHED", "--max-error, by no number of buffers up to this");
   } else {
     facts.emplace_back("crossing", count_text(s.crossing_pairs) + " pairs of facets, parted by " +
                                        count_text(s.crossing_cuts) + " cuts");
@@ -274,11 +284,29 @@ ExitStatus run_presort(const PresortVerbOptions& options, const CommonOptions& c
   if (!options.makes_buffers() && (options.with_culling || options.cut_crossing)) {
     throw Failure("--with-culling and --cut are options of --buffers and --max-error");
   }
+  if (options.makes_buffers() && options.effort > 1) throw Failure("--effort is an option of trees, not of buffers");
+  if (options.makes_buffers() && options.max_growth && !options.cut_crossing) {
+    throw Failure("--max-growth is an option of trees and of --cut: nothing else cuts");
+  }
   const std::vector<std::filesystem::path> files = output_files(options);
   const InterruptGuard guard;
   Json documents = Json::array();
+  ExitStatus status = ExitStatus::done;
   for (std::size_t i = 0; i < files.size(); ++i) {
-    const Outcome outcome = presort_file(options.meshes[i], files[i], options);
+    Outcome outcome;
+    try {
+      outcome = presort_file(options.meshes[i], files[i], options);
+    } catch (const Failure& failure) {
+      // Each mesh is on its own; main() tells of the last.
+      if (interrupted || i + 1 == files.size()) {
+        if (common.json && !documents.empty()) print_json(documents);
+        throw;
+      }
+      print_failure(failure.what());
+      status = ExitStatus::failed;
+      continue;
+    }
+    if (outcome.misses_max_error && status == ExitStatus::done) status = ExitStatus::answer_is_no;
     if (common.json) {
       documents.push_back(outcome_json(outcome));
     } else {
@@ -287,7 +315,7 @@ ExitStatus run_presort(const PresortVerbOptions& options, const CommonOptions& c
     }
   }
   if (common.json) print_json(documents);
-  return ExitStatus::done;
+  return status;
 }
 
 }  // namespace
@@ -296,7 +324,7 @@ Verb add_presort(CLI::App& program, const CommonOptions& common) {
   const auto options = std::make_shared<PresortVerbOptions>();
   CLI::App* command = program.add_subcommand(
       "presort", "Does all the work once: a file from which an exact order for any eye is read without sorting");
-  command->add_option("MESH", options->meshes, "PLY, OBJ, OFF or STL files, each presorted by itself")
+  command->add_option("MESH", options->meshes, "PLY, OBJ, OFF, STL or .fsort files, each presorted by itself")
       ->required()
       ->type_name("");
   add_count_option(*command, "--effort", options->effort, most_effort,

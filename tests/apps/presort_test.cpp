@@ -101,6 +101,31 @@ TEST(PresortVerb, MakesIndexBuffersAsFsortAndAsGltf) {
   EXPECT_EQ(drawn.status, 0) << drawn.error;
 }
 
+TEST(PresortVerb, TellsWhereTheErrorIsOutOfReach) {
+  const TemporaryFolder folder;
+  const std::string knot = write_mesh(folder, "knot.ply", shapes::torus_knot(500));
+  const std::string output = (folder.path() / "knot.fsort").string();
+  const Finished missed =
+      run_program({"presort", knot, "--buffers", "2", "--max-error", "0", "-o", output, "--json"});
+  EXPECT_EQ(missed.status, 1) << missed.error;
+  const Json told = Json::parse(missed.output);
+  EXPECT_EQ(told.at(0).at("buffers"), 2);
+  EXPECT_EQ(told.at(0).at("misses_max_error"), true);
+  EXPECT_TRUE(std::filesystem::exists(output));
+  EXPECT_EQ(run_program({"presort", knot, "--buffers", "2", "--max-error", "1", "-o", output}).status, 0);
+}
+
+TEST(PresortVerb, GoesOnAfterABadMesh) {
+  const TemporaryFolder folder;
+  const std::string absent = (folder.path() / "absent.ply").string();
+  const std::string box = write_mesh(folder, "box.ply", shapes::box());
+  const Finished finished = run_program({"presort", absent, box, "-o", (folder.path() / "out").string()});
+  EXPECT_EQ(finished.status, 2);
+  EXPECT_TRUE(finished.error.starts_with("facetsort: " + absent + ": ")) << finished.error;
+  EXPECT_EQ(std::count(finished.error.begin(), finished.error.end(), '\n'), 1) << finished.error;
+  EXPECT_TRUE(std::filesystem::exists(folder.path() / "out" / "box.fsort"));
+}
+
 TEST(PresortVerb, RefusesWhatItCannotDoInOneLineAndWritesNothing) {
   const TemporaryFolder folder;
   const std::string mesh = write_mesh(folder, "mesh.ply", shapes::slab_cycle(4));

@@ -298,6 +298,27 @@ TEST(Validate, NamesTheFirstFacetAtFault) {
   expect(mesh, Fault::size_mismatch, "8 vertex colours for 9 vertices");
 }
 
+TEST(Validate, ColoursCanBeDrawn) {
+  for (const glm::vec4& bad : {glm::vec4(0, 0, 0, 2), glm::vec4(0, 0, 0, -1), glm::vec4(-0.1f, 0, 0, 1),
+                               glm::vec4(0, nan, 0, 1), glm::vec4(0, 0, infinity, 1), glm::vec4(0, 0, 0, nan)}) {
+    EXPECT_FALSE(is_colour(bad));
+    Mesh mesh = cube();
+    mesh.facet_colours.assign(mesh.triangles.size(), glm::vec4(3, 0, 0, 1));  // brighter than white is one
+    EXPECT_TRUE(validate(mesh.view()).ok());
+    mesh.facet_colours[4] = bad;
+    EXPECT_EQ(validate(mesh.view()).fault, Fault::bad_argument);
+    EXPECT_EQ(validate(mesh.view()).message, "facet 4 has a colour below 0, not finite or of an alpha above 1");
+    mesh.facet_colours.clear();
+    mesh.vertex_colours.assign(mesh.positions.size(), glm::vec4(1));
+    mesh.vertex_colours[7] = bad;
+    EXPECT_EQ(validate(mesh.view()).message, "vertex 7 has a colour below 0, not finite or of an alpha above 1");
+    mesh.vertex_colours.clear();
+    mesh.facet_materials.assign(mesh.triangles.size(), 0);
+    mesh.materials = {{.base_colour = bad}};
+    EXPECT_EQ(validate(mesh.view()).message, "material 0 has a colour below 0, not finite or of an alpha above 1");
+  }
+}
+
 TEST(Validate, IdsMustFitIn32Bits) {
   // Only the counts are looked at.
   const glm::uvec3 triangle(0);

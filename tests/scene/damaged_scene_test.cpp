@@ -109,6 +109,31 @@ TEST_P(DamagedScene, LyingNumbers) {
 INSTANTIATE_TEST_SUITE_P(All, DamagedScene, testing::Values(".gltf", ".glb"),
                          [](const auto& format) { return std::string(format.param).substr(1); });
 
+TEST(DamagedScene, BuffersAreInTheFolderOfTheFile) {
+  const TemporaryFolder folder;
+  std::filesystem::create_directories(folder.path() / "inner" / "deep");
+  const std::vector<float> corners{0, 0, 0, 1, 0, 0, 0, 1, 0};
+  const std::string bytes(reinterpret_cast<const char*>(corners.data()), sizeof(float) * corners.size());
+  for (const char* place : {"data.bin", "inner/data.bin", "inner/deep/data.bin"}) folder.write(place, bytes);
+  const auto read = [&](const std::string& uri) {
+    return read_scene(folder.write(
+        "inner/a.gltf",
+        R"({"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0]}],"nodes":[{"mesh":0}],
+            "meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],
+            "accessors":[{"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"}],
+            "bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[{"byteLength":36,"uri":")" + uri + "\"}]}"));
+  };
+  for (const char* uri : {"data.bin", "deep/data.bin", "./data.bin", "deep/../data.bin"}) {
+    EXPECT_TRUE(read(uri).ok()) << uri << ": " << read(uri).status().message;
+  }
+  for (const std::string& uri : {std::string("../data.bin"), std::string("deep/../../data.bin"),
+                                 (folder.path() / "data.bin").string(), std::string("../inner/../data.bin")}) {
+    const Result<Scene> scene = read(uri);
+    ASSERT_FALSE(scene.ok()) << uri;
+    EXPECT_EQ(scene.status().fault, Fault::cannot_read) << scene.status().message;
+  }
+}
+
 TEST(DamagedScene, ManyBuffersOfOneChunk) {
   const TemporaryFolder folder;
   GltfText text = one_triangle();

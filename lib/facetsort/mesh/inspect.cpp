@@ -143,6 +143,14 @@ void count_edges(const std::vector<glm::uvec3>& facets, MeshFacts& facts) {
   facts.oriented = facts.misoriented_edges == 0 && facts.non_manifold_edges == 0;
 }
 
+constexpr const char* not_a_colour = " has a colour below 0, not finite or of an alpha above 1";
+
+Status validate_colours(std::span<const glm::vec4> colours, const char* of) {
+  const auto bad = std::find_if_not(colours.begin(), colours.end(), is_colour);
+  if (bad == colours.end()) return {};
+  return {Fault::bad_argument, of + std::to_string(bad - colours.begin()) + not_a_colour};
+}
+
 Status validate_materials(const MeshView& mesh) {
   if (mesh.facet_materials.empty()) return {};
   const std::size_t facets = mesh.facet_count(), vertices = mesh.vertex_count();
@@ -155,6 +163,10 @@ Status validate_materials(const MeshView& mesh) {
                                       std::to_string(vertices) + " vertices"};
   }
   if (Status status = validate(mesh.textures); !status.ok()) return status;
+  for (std::size_t i = 0; i < mesh.materials.size(); ++i) {
+    if (is_colour(mesh.materials[i].base_colour)) continue;
+    return {Fault::bad_argument, "material " + std::to_string(i) + not_a_colour};
+  }
   for (std::size_t f = 0; f < facets; ++f) {
     const std::uint32_t material = mesh.facet_materials[f];
     if (material >= mesh.materials.size()) {
@@ -183,6 +195,13 @@ Status validate_materials(const MeshView& mesh) {
 }
 
 }  // namespace
+
+bool is_colour(const glm::vec4& straight) {
+  constexpr float most = std::numeric_limits<float>::max();
+  const auto is_within = [](float value, float highest) { return value >= 0 && value <= highest; };  // no NaN is
+  return is_within(straight.r, most) && is_within(straight.g, most) && is_within(straight.b, most) &&
+         is_within(straight.a, 1);
+}
 
 Status validate(std::span<const Texture> textures) {
   for (std::size_t i = 0; i < textures.size(); ++i) {
@@ -226,6 +245,8 @@ Status validate(const MeshView& mesh) {
       }
     }
   }
+  if (Status status = validate_colours(mesh.facet_colours, "facet "); !status.ok()) return status;
+  if (Status status = validate_colours(mesh.vertex_colours, "vertex "); !status.ok()) return status;
   return validate_materials(mesh);
 }
 

@@ -11,8 +11,11 @@ namespace facetsort {
 
 // Checks what every other stage takes for granted. Faults, each with the first facet that has it in the message:
 // empty_mesh, too_many_facets (2^32 - 1 facets or vertices and more), size_mismatch, index_out_of_range,
-// non_finite_position (of a vertex that some facet uses). O(facets), allocates nothing, thread-safe.
+// non_finite_position (of a vertex that some facet uses), bad_argument (a colour that is_colour() has not). O(facets and
+// vertices), allocates nothing, thread-safe.
 Status validate(const MeshView& mesh);
+// Whether a straight colour can be drawn: its channels are finite and none is negative, and alpha is at most 1.
+bool is_colour(const glm::vec4& straight);
 // Whether each texture has its texels; size_mismatch, with the first that has not.
 Status validate(std::span<const Texture> textures);
 

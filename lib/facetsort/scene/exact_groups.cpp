@@ -114,21 +114,23 @@ ExactGroups::Found ExactGroups::sort(const MergedMesh& merged, const SortView& v
   Stopwatch stopwatch;
   ++sorts_;
   if (std::exchange(slabs_changed_, false)) object_groups_.set_slabs(slabs_);
-  std::vector<Group*> groups, unprepared;
-  for (const std::vector<std::uint32_t>& objects : object_groups_.find(view.eye)) {
-    std::unique_ptr<Group>& group = prepared_[objects];
-    if (!group) {
-      group = std::make_unique<Group>(merged, objects);
-      unprepared.push_back(group.get());
-    }
-    group->last_used = sorts_;
-    groups.push_back(group.get());
+  const auto& groups_found = object_groups_.find(view.eye);
+  // Kept once they are ready, whatever may be thrown before.
+  std::vector<std::pair<std::vector<std::uint32_t>, std::unique_ptr<Group>>> made;
+  for (const std::vector<std::uint32_t>& objects : groups_found) {
+    if (!prepared_.contains(objects)) made.emplace_back(objects, std::make_unique<Group>(merged, objects));
   }
-  parallel_ranges(unprepared.size(), 1, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t i = begin; i < end; ++i) unprepared[i]->sorter.emplace(unprepared[i]->mesh.view(), options_);
+  parallel_ranges(made.size(), 1, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i) made[i].second->sorter.emplace(made[i].second->mesh.view(), options_);
   });
+  found.prepared_groups = made.size();
+  for (auto& [objects, group] : made) prepared_.emplace(std::move(objects), std::move(group));
+  std::vector<Group*> groups;
+  for (const std::vector<std::uint32_t>& objects : groups_found) {
+    groups.push_back(prepared_.at(objects).get());
+    groups.back()->last_used = sorts_;
+  }
   found.groups = groups.size();
-  found.prepared_groups = unprepared.size();
   found.prepare_ms = stopwatch.lap();
   parallel_ranges(groups.size(), 1, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) groups[i]->sort(view);

@@ -104,12 +104,18 @@ void check_outline(const Chunks& chunks) {
 // What tinygltf asks of the file system: files below the folder of the glTF file, by whole paths, and so many bytes in
 // all.
 struct Files {
+  std::filesystem::path folder;
   std::size_t bytes_left = most_buffer_bytes;
+
+  bool may_read(const std::string& path) const {
+    const std::filesystem::path below = std::filesystem::path(path).lexically_normal().lexically_relative(folder);
+    return !below.empty() && *below.begin() != "..";
+  }
 };
 
-bool file_exists(const std::string& path, void*) {
+bool file_exists(const std::string& path, void* files) {
   std::error_code ignored;
-  return path.starts_with('/') && std::filesystem::is_regular_file(path, ignored);
+  return static_cast<const Files*>(files)->may_read(path) && std::filesystem::is_regular_file(path, ignored);
 }
 
 std::string same_path(const std::string& path, void*) {
@@ -117,6 +123,10 @@ std::string same_path(const std::string& path, void*) {
 }
 
 bool read_whole_file(std::vector<unsigned char>* to, std::string* error, const std::string& path, void* files) {
+  if (!static_cast<const Files*>(files)->may_read(path)) {
+    *error = "not in the folder of the glTF file";
+    return false;
+  }
   const Result<FileBytes> file = FileBytes::open(path);
   std::size_t& left = static_cast<Files*>(files)->bytes_left;
   if (!file.ok() || file.value().bytes().size() > left) {
@@ -165,11 +175,11 @@ tinygltf::Model read_gltf_model(const std::filesystem::path& path) {
   const bool is_binary = text_of(bytes).starts_with("glTF");
   check_outline(is_binary ? chunks_of(bytes) : Chunks{.json = text_of(bytes)});
 
-  Files files;
+  const std::string folder = std::filesystem::absolute(path).lexically_normal().parent_path().string();
+  Files files{.folder = folder};
   tinygltf::TinyGLTF reader;
   reader.SetImageLoader(keep_picture_file, nullptr);
   reader.SetFsCallbacks({file_exists, same_path, read_whole_file, nullptr, &files});
-  const std::string folder = std::filesystem::absolute(path).parent_path().string();
   tinygltf::Model model;
   std::string error, warning;
   bool done = false;

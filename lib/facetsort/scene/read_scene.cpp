@@ -115,7 +115,8 @@ Result<Scene> read_scene(const std::filesystem::path& path) {
   if (!std::filesystem::is_directory(path, error)) return read_file(path);
   std::vector<std::filesystem::path> files;
   for (std::filesystem::directory_iterator entry(path, error), end; !error && entry != end; entry.increment(error)) {
-    if (is_scene_file(entry->path())) files.push_back(entry->path());
+    std::error_code ignored;
+    if (is_scene_file(entry->path()) && !entry->is_directory(ignored)) files.push_back(entry->path());
   }
   if (error) return Status{Fault::cannot_read, path.string() + ": the folder can't be listed: " + error.message()};
   if (files.empty()) return Status{Fault::empty_mesh, path.string() + ": no glTF and no mesh file in this folder"};
