@@ -65,8 +65,8 @@ struct Strategy {
   bool draws_in_order() const;
   // Whether some fragments are left out on purpose, so that coverage can't be counted.
   bool discards_fragments() const;
-  // "unsorted", "facet_sort:centroid_distance", "facet_sort:centroid_distance:quantised", "draw_order:three", "presorted_buffers:10", "depth_peeling",
-  // "depth_peeling:5", "auto:0.001", ...
+  // "unsorted", "facet_sort:centroid_distance", "facet_sort:centroid_distance:quantised", "draw_order:three",
+  // "presorted_buffers:10", "depth_peeling", "depth_peeling:5", "auto:0.001", ...
   std::string name() const;
 };
 
@@ -98,9 +98,10 @@ struct SceneInput {
 // order() and draw(). Keeps its scratch. One thread at a time; parallel in the caller's task arena.
 class StrategyRenderer {
  public:
-  // The mesh's arrays must outlive it. Where facets that are not blended (AlphaMode) follow all that are, all strategies
-  // but reference, which has its lists, and draw_order, which has its rule, first draw those, with depth, and then order
-  // and draw the others, tested against that depth; otherwise those are taken for blended ones of alpha 1.
+  // The mesh's arrays must outlive it. Where facets that are not blended (AlphaMode) follow all that are, all
+  // strategies but reference, which has its lists, and draw_order, which has its rule, first draw those, with depth,
+  // and then order and draw the others, tested against that depth; otherwise those are taken for blended ones of
+  // alpha 1.
   // Preconditions: presorted_buffers gets buffers of blended_facets(mesh), with directions; draw_order gets the scene
   // that this mesh was merged of; the strategy is not automatic.
   StrategyRenderer(const MeshView& mesh, const Strategy& strategy, const PresortedInput& presorted = {},

@@ -41,7 +41,7 @@ class PresortedMesh {
 
   // Valid as long as a copy of this is.
   const PresortedView& view() const { return contents_->view; }
-  // Whether orders can be read from it: a file of index buffers alone has no tree, and a reader of it would draw nothing.
+  // Whether orders can be read from it: a file of index buffers alone has no tree, and a reader of it draws nothing.
   bool has_tree() const { return !contents_->view.pieces.empty(); }
   // Null where there are none.
   const IndexBuffers* index_buffers() const { return contents_->buffers ? &*contents_->buffers : nullptr; }
