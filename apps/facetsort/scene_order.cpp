@@ -67,8 +67,10 @@ void print_ordered(const SceneOrderOptions& options, const CommonOptions& common
                        {"choices", costs_json(ordered.costs)},
                        {"output", options.output.string()}});
   }
-  Facts facts{{"objects", count_text(ordered.blended_objects) + " blended, " + count_text(ordered.facets) +
-                              " facets, in " + count_text(statistics.groups) + " groups sorted apart"},
+  const std::string groups =
+      statistics.groups > 1 ? ", in " + count_text(statistics.groups) + " groups sorted apart" : std::string();
+  Facts facts{{"objects", count_text(ordered.blended_objects) + " blended, " + count_text(ordered.facets) + " facets" +
+                              groups},
               {"method", std::string(method_name(options.method))},
               {"order", milliseconds_text(statistics.sort_ms + statistics.group_runs_ms) + " ms a frame, " +
                             milliseconds_text(ordered.prepare_ms) + " ms once a scene"},
