@@ -23,6 +23,8 @@ void write_average(const TileTask& task, TileColours& sums, const TilePlane& tra
   const FloatTag d;
   const bool eight_bits = task.format == PixelFormat::rgba8;
   const auto scale = hn::Set(d, channel_scale(task)), one = hn::Set(d, 1.0f);
+  TileColours below;
+  fill_with_what_is_below(task, tile, below);
   for (std::size_t pixel = 0; pixel < tile_size * tile_size; pixel += hn::Lanes(d)) {
     const auto through = hn::Load(d, transmittance.pixel + pixel);
     const auto weights = hn::Load(d, sums.channel[3].pixel + pixel);
@@ -32,7 +34,7 @@ void write_average(const TileTask& task, TileColours& sums, const TilePlane& tra
     for (int k = 0; k < 4; ++k) {
       float* plane = sums.channel[k].pixel + pixel;
       const auto average = hn::Div(hn::Load(d, plane), divisor);
-      auto blended = hn::Add(hn::Mul(average, opacity), hn::Mul(colour_below(task, tile, k, pixel), through));
+      auto blended = hn::Add(hn::Mul(average, opacity), hn::Mul(hn::Load(d, below.channel[k].pixel + pixel), through));
       if (eight_bits) blended = hn::Round(blended);
       hn::Store(blended, d, plane);
     }

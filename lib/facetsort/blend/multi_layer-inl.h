@@ -64,15 +64,11 @@ void DrawMultiLayer(const TileTask& task, std::span<KeptLayer> layers, int tile)
   // Layers are float whatever the picture's format: rgba8 rounds once.
   const bool eight_bits = task.format == PixelFormat::rgba8;
   const float scale = channel_scale(task);
-  const auto below = [&](std::size_t pixel) {
-    if (task.opaque.empty()) return clear_value(task);
-    const TileColours& opaque = task.opaque[static_cast<std::size_t>(tile)].colours;
-    return glm::vec4(opaque.channel[0].pixel[pixel], opaque.channel[1].pixel[pixel], opaque.channel[2].pixel[pixel],
-                     opaque.channel[3].pixel[pixel]);
-  };
   TileColours colours;
+  fill_with_what_is_below(task, tile, colours);
   for (std::size_t pixel = 0; pixel < pixels; ++pixel) {
-    glm::vec4 blended = below(pixel);
+    glm::vec4 blended;
+    for (int k = 0; k < 4; ++k) blended[k] = colours.channel[k].pixel[pixel];
     const KeptLayer* here = layers.data() + pixel * most;
     for (std::size_t k = counts[pixel]; k-- > 0;) {
       blended = here[k].colour * scale + blended * (1.0f - here[k].colour.a);

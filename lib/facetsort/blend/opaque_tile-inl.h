@@ -6,6 +6,7 @@
 #define FACETSORT_BLEND_OPAQUE_TILE_INL_H
 #endif
 
+#include "facetsort/blend/draw_tile-inl.h"
 #include "facetsort/blend/fragment_pass-inl.h"
 #include "facetsort/blend/paint-inl.h"
 #include "facetsort/blend/tile_kernels.h"
@@ -31,8 +32,7 @@ void draw_nearest(const TileTask& task, int tile, DrawnTile& drawn) {
 }
 
 void DrawOpaqueTile(const TileTask& task, int tile, DrawnTile& drawn) {
-  clear(drawn.colours, clear_value(task));
-  fill(drawn.depths, infinity);
+  StartDrawing(task, drawn);
   task.colours.empty() ? draw_nearest<true>(task, tile, drawn) : draw_nearest<false>(task, tile, drawn);
 }
 

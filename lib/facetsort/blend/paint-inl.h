@@ -184,17 +184,19 @@ glm::vec4 clear_value(const TileTask& task) {
   return task.format == PixelFormat::rgba8 ? glm::round(task.clear_colour * 255.0f) : task.clear_colour;
 }
 
-// A channel of what stands in the tile before anything is blended, in units of the format: the vector from a pixel on.
-HWY_INLINE hn::VFromD<FloatTag> colour_below(const TileTask& task, int tile, int channel, std::size_t pixel) {
-  const FloatTag d;
-  if (task.opaque.empty()) return hn::Set(d, clear_value(task)[channel]);
-  return hn::Load(d, task.opaque[static_cast<std::size_t>(tile)].colours.channel[channel].pixel + pixel);
-}
-
 void fill(TilePlane& plane, float value) { std::fill(std::begin(plane.pixel), std::end(plane.pixel), value); }
 
 void clear(TileColours& colours, const glm::vec4& value) {
   for (int k = 0; k < 4; ++k) fill(colours.channel[k], value[k]);
+}
+
+// What stands in the tile before anything is blended there, in units of the format.
+void fill_with_what_is_below(const TileTask& task, int tile, TileColours& colours) {
+  if (task.opaque.empty()) {
+    clear(colours, clear_value(task));
+  } else {
+    colours = task.opaque[static_cast<std::size_t>(tile)].colours;
+  }
 }
 
 // Edge functions in double, in the coordinates of the tile that begins at (x0, y0).

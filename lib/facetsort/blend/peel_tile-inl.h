@@ -108,11 +108,7 @@ bool peel_from_both_ends(const TileTask& task, int tile, PeeledTile& peeled) {
 
 void StartPeeling(const TileTask& task, int tile, PeeledTile& peeled) {
   clear(peeled.front, glm::vec4(0));
-  if (task.opaque.empty()) {
-    clear(peeled.back, clear_value(task));
-  } else {
-    peeled.back = task.opaque[static_cast<std::size_t>(tile)].colours;
-  }
+  fill_with_what_is_below(task, tile, peeled.back);
   fill(peeled.nearest, -infinity);
   fill(peeled.farthest, infinity);
 }

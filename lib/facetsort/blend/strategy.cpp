@@ -295,8 +295,8 @@ bool StrategyRenderer::keeps_order(const View& view) {
   if (!state.last_view) return false;
   const SortView now{view.homogeneous_eye(), view.forward()};
   if (state.exact_sorter) return state.exact_sorter->keeps_order(now);
-  const bool uses_axis = state.sorter || state.object_order;
-  return state.last_view->eye == now.eye && (!uses_axis || state.last_view->forward == now.forward);
+  if (state.sorter) return state.sorter->is_sorted_for(now);
+  return state.last_view->eye == now.eye && (!state.object_order || state.last_view->forward == now.forward);
 }
 
 DrawStatistics StrategyRenderer::draw(const View& view, PixelFormat format, Image& image) {

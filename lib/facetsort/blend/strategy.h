@@ -113,7 +113,7 @@ class StrategyRenderer {
   // Per-frame work before drawing: the sort (nothing for most strategies).
   void order(const View& view);
   // Whether draw() may go on with the last order() in this view, as far as is known without ordering: from its eye and,
-  // by depth keys or objects, along its axis; with the exact orders, as ExactSorter tells. False before the first.
+  // by objects, along its axis; with facets sorted, as Sorter or ExactSorter tells. False before the first.
   bool keeps_order(const View& view);
   // Draws with the last order(); colours are shaded inside (see shading.h).
   DrawStatistics draw(const View& view, PixelFormat format, Image& image);

@@ -18,12 +18,11 @@ PlannedRenderer::PlannedRenderer(const MeshView& mesh, const PlanOptions& option
 
 void PlannedRenderer::order(const View& view) {
   ++statistics_.frames;
-  const bool culls = culling_ && parts_.are_apart_from(view.homogeneous_eye());
-  if (has_order_ && culls == uses_culling_ && renderer().keeps_order(view)) {
+  if (has_order_ && renderer().keeps_order(view)) {
     ++statistics_.kept;
     return;
   }
-  uses_culling_ = culls;
+  uses_culling_ = culling_ && parts_.are_apart_from(view.homogeneous_eye());
   renderer().order(view);
   const StrategyKind kind = renderer().strategy().kind;
   statistics_.unsorted += kind != StrategyKind::facet_sort && kind != StrategyKind::presorted_buffers;
