@@ -143,12 +143,10 @@ void count_edges(const std::vector<glm::uvec3>& facets, MeshFacts& facts) {
   facts.oriented = facts.misoriented_edges == 0 && facts.non_manifold_edges == 0;
 }
 
-constexpr const char* not_a_colour = " has a colour below 0, not finite or of an alpha above 1";
-
 Status validate_colours(std::span<const glm::vec4> colours, const char* of) {
   const auto bad = std::find_if_not(colours.begin(), colours.end(), is_colour);
   if (bad == colours.end()) return {};
-  return {Fault::bad_argument, of + std::to_string(bad - colours.begin()) + not_a_colour};
+  return not_a_colour(of + std::to_string(bad - colours.begin()));
 }
 
 Status validate_materials(const MeshView& mesh) {
@@ -164,8 +162,7 @@ Status validate_materials(const MeshView& mesh) {
   }
   if (Status status = validate(mesh.textures); !status.ok()) return status;
   for (std::size_t i = 0; i < mesh.materials.size(); ++i) {
-    if (is_colour(mesh.materials[i].base_colour)) continue;
-    return {Fault::bad_argument, "material " + std::to_string(i) + not_a_colour};
+    if (!is_colour(mesh.materials[i].base_colour)) return not_a_colour("material " + std::to_string(i));
   }
   for (std::size_t f = 0; f < facets; ++f) {
     const std::uint32_t material = mesh.facet_materials[f];
@@ -201,6 +198,10 @@ bool is_colour(const glm::vec4& straight) {
   const auto is_within = [](float value, float highest) { return value >= 0 && value <= highest; };  // no NaN is
   return is_within(straight.r, most) && is_within(straight.g, most) && is_within(straight.b, most) &&
          is_within(straight.a, 1);
+}
+
+Status not_a_colour(const std::string& owner) {
+  return {Fault::bad_argument, owner + " has a colour below 0, not finite or of an alpha above 1"};
 }
 
 Status validate(std::span<const Texture> textures) {

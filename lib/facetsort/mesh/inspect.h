@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <span>
+#include <string>
 
 #include "facetsort/base/status.h"
 #include "facetsort/mesh/mesh_view.h"
@@ -16,6 +17,8 @@ namespace facetsort {
 Status validate(const MeshView& mesh);
 // Whether a straight colour can be drawn: its channels are finite and none is negative, and alpha is at most 1.
 bool is_colour(const glm::vec4& straight);
+// The fault of what has another: "material 3", "vertex 7".
+Status not_a_colour(const std::string& owner);
 // Whether each texture has its texels; size_mismatch, with the first that has not.
 Status validate(std::span<const Texture> textures);
 

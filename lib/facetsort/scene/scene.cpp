@@ -62,9 +62,7 @@ Status validate(const SceneObject& object, std::size_t index, std::size_t meshes
 Status validate(const Scene& scene) {
   if (Status status = facetsort::validate(std::span(scene.textures)); !status.ok()) return status;
   for (std::size_t i = 0; i < scene.materials.size(); ++i) {
-    if (!is_colour(scene.materials[i].material.base_colour)) {
-      return {Fault::bad_argument, part("material", i) + " has a colour below 0, not finite or of an alpha above 1"};
-    }
+    if (!is_colour(scene.materials[i].material.base_colour)) return not_a_colour(part("material", i));
     const std::uint32_t texture = scene.materials[i].material.texture;
     if (texture == Material::no_texture || texture < scene.textures.size()) continue;
     return {Fault::index_out_of_range, part("material", i) + " names texture " + std::to_string(texture) + " of " +
