@@ -26,9 +26,13 @@ void measure_bounds(InputMesh& input) {
 
 }  // namespace
 
-bool is_scene(const std::filesystem::path& path) {
+bool is_gltf(const std::filesystem::path& path) {
   const std::string extension = extension_of(path);
-  return extension == ".gltf" || extension == ".glb" || std::filesystem::is_directory(path);
+  return extension == ".gltf" || extension == ".glb";
+}
+
+bool is_scene(const std::filesystem::path& path) {
+  return is_gltf(path) || std::filesystem::is_directory(path);
 }
 
 InputMesh read_input_mesh(const std::filesystem::path& path) {

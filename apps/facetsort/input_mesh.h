@@ -36,7 +36,9 @@ struct InputMesh {
   }
 };
 
-// By its name: a glTF file, or a folder.
+// By its name.
+bool is_gltf(const std::filesystem::path& path);
+// A glTF file, or a folder.
 bool is_scene(const std::filesystem::path& path);
 
 // A mesh, or the mesh in a presorted one. Throws Failure where the file is neither, or one too large for float32 to

@@ -176,7 +176,7 @@ ExitStatus run_order(const OrderOptions& options, const CommonOptions& common) {
   if (options.max_growth && !is_exact(options.method)) {
     throw Failure("--max-growth is an option of the exact methods: nothing else cuts");
   }
-  if (const std::string extension = extension_of(options.output); extension == ".glb" || extension == ".gltf") {
+  if (is_gltf(options.output)) {
     order_scene({options.mesh, options.output, options.view, options.method, options.max_growth}, common);
     return ExitStatus::done;
   }

@@ -296,14 +296,10 @@ ExitStatus run_presort(const PresortVerbOptions& options, const CommonOptions& c
     Outcome outcome;
     try {
       outcome = presort_file(options.meshes[i], files[i], options);
-    } catch (const Failure& failure) {
-      // Each mesh is on its own; main() tells of the last.
-      if (interrupted || i + 1 == files.size()) {
-        if (common.json && !documents.empty()) print_json(documents);
-        throw;
-      }
+    } catch (const Failure& failure) {  // each mesh is on its own
       print_failure(failure.what());
       status = ExitStatus::failed;
+      if (interrupted) break;
       continue;
     }
     if (outcome.misses_max_error && status == ExitStatus::done) status = ExitStatus::answer_is_no;
@@ -314,7 +310,7 @@ ExitStatus run_presort(const PresortVerbOptions& options, const CommonOptions& c
       print_facts(outcome_facts(outcome));
     }
   }
-  if (common.json) print_json(documents);
+  if (common.json && !documents.empty()) print_json(documents);
   return status;
 }
 

@@ -1,6 +1,5 @@
 #include "scene_order.h"
 
-#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -28,12 +27,12 @@ struct OrderedScene {
   std::vector<DrawCost> costs;
 };
 
-std::size_t count_repeated(std::span<const std::uint32_t> facets) {
-  std::vector<std::uint32_t> sorted(facets.begin(), facets.end());
-  std::sort(sorted.begin(), sorted.end());
+std::size_t count_repeated(std::span<const std::uint32_t> facets, std::size_t facet_count) {
+  std::vector<std::uint8_t> seen(facet_count);  // once, or more often
   std::size_t repeated = 0;
-  for (std::size_t i = 1; i < sorted.size(); ++i) {
-    repeated += sorted[i] == sorted[i - 1] && (i == 1 || sorted[i] != sorted[i - 2]);
+  for (const std::uint32_t facet : facets) {
+    repeated += seen[facet] == 1;
+    seen[facet] = seen[facet] == 0 ? 1 : 2;
   }
   return repeated;
 }
@@ -109,7 +108,7 @@ void order_scene(const SceneOrderOptions& options, const CommonOptions& common) 
   ordered.prepare_ms += sorter->statistics().prepare_ms;
   const SceneOrder order = sorter->sort(eye);
   ordered.statistics = sorter->statistics();
-  ordered.cut_facets = count_repeated(order.facets);
+  ordered.cut_facets = count_repeated(order.facets, ordered.facets);
   ordered.costs = require(draw_costs(scene, eye));
   require(write_scene(options.output, scene, object_orders(scene, merged, order.facets)));
   print_ordered(options, common, ordered);
