@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/gtc/matrix_transform.hpp>
 #include <numeric>
@@ -226,6 +227,32 @@ TEST_P(CullingMethod, LeavesOutWhatIsSeenFromBehindAndNothingElse) {
         stay += kept[id] && !faces(mesh, id, view.eye);
       }
       EXPECT_LE(stay, behind / 100 + 2) << "of " << behind << " seen from behind";
+    }
+  }
+}
+
+// Blocks of neighbours are told by the cone of their normals; blocks of facets from anywhere can't be.
+TEST(SorterOutput, BlocksThatAreToldAtOnceChangeNothing) {
+  std::mt19937 random(11);
+  for (const Mesh& mesh : {shapes::torus_knot(20000), shapes::nested_shells(2, 0.5f, 4), load("hand_2k")}) {
+    const auto triangles_kept = [](const Mesh& of, const SortView& view) {
+      Sorter sorter(of.view(), {.cull_back_faces = true});
+      std::vector<std::array<std::uint32_t, 3>> kept;
+      for (const std::uint32_t id : sorter.sort(view)) {
+        const glm::uvec3& t = of.triangles[id];
+        kept.push_back({t.x, t.y, t.z});
+      }
+      std::sort(kept.begin(), kept.end());
+      return kept;
+    };
+    Mesh near = mesh, scattered = mesh;
+    const Ids order = spatial_order(mesh.view());
+    for (std::size_t k = 0; k < order.size(); ++k) near.triangles[k] = mesh.triangles[order[k]];
+    std::shuffle(scattered.triangles.begin(), scattered.triangles.end(), random);
+    for (const SortView& view : inside_and_outside_views(mesh)) {
+      const auto kept = triangles_kept(near, view);
+      EXPECT_EQ(kept, triangles_kept(scattered, view));
+      EXPECT_LT(kept.size(), mesh.triangles.size());
     }
   }
 }

@@ -27,9 +27,20 @@ struct KeyForm {
 
 enum class Combine { none, nearest, farthest };  // one point a facet; or the smallest, or largest key of three
 
+// The normals of a block's facets, and where they stand, in the mesh's frame, rounded outwards. Where the normals are
+// in no half-space, or one is 0, the cosine is 0 and the sine 1.
+struct NormalCone {
+  glm::vec3 centre;  // of a ball around the facets' points
+  float radius;
+  glm::vec3 axis;      // unit vector
+  float cosine, sine;  // of the largest angle between axis and normal
+};
+
 // Facets seen from behind: those whose normal has a negative product with eye - scale * point, beyond all rounding.
+// Blocks whose facets all are, or none, are told by their cones first; that changes no outcome.
 struct FacingTest {
   const std::int16_t *x = nullptr, *y = nullptr, *z = nullptr;  // normals, the largest component 32767; null: no test
+  const NormalCone* cones = nullptr;
   glm::vec3 eye{0};
   float scale = 0;
 };

@@ -121,6 +121,11 @@ HWY_INLINE void flip_sign(std::size_t count, float* keys) {
   }
 }
 
+HWY_INLINE void signed_keys_of_tile(const KeySource& source, std::size_t first, std::size_t count, float* keys) {
+  keys_of_tile(source, first, count, keys);
+  if (source.sign < 0) flip_sign(count, keys);
+}
+
 // The planes that cut a block's box: -1 where the box lies outside of one.
 HWY_INLINE int cutting_planes(const KeySource& source, const FacetBlock& block, glm::vec4* cutting) {
   // Roundings of dot products of box corners (at most sqrt(12) long) with unit normals.
@@ -138,26 +143,49 @@ HWY_INLINE int cutting_planes(const KeySource& source, const FacetBlock& block, 
   return count;
 }
 
-// Leaves those facets of a tile that are not culled, and gives their number. The tile lies in one block.
-HWY_INLINE std::size_t cull_tile(const KeySource& source, std::size_t first, std::size_t count, Tile& tile) {
+enum class Seen { from_behind, from_front, both };
+
+HWY_INLINE Seen seen_of_block(const FacingTest& test, const NormalCone& cone) {
+  const glm::vec3 to_eye = test.eye - test.scale * cone.centre;
+  const float along = glm::dot(cone.axis, to_eye), radius = test.scale * cone.radius;
+  // More than the test of a facet allows for (see cull_tile()), whose normals are at least 32767 long.
+  const float far = glm::abs(to_eye.x) + glm::abs(to_eye.y) + glm::abs(to_eye.z) + radius;
+  const float slack = radius + 1e-4f * far + 1e-5f;
+  // Of all directions of the cone, the products with to_eye are this and at most `aside` more or less.
+  const float product = along * cone.cosine;
+  const float aside_squared = (glm::dot(to_eye, to_eye) - along * along) * cone.sine * cone.sine;
+  const float beyond = glm::abs(product) - slack;
+  if (!(beyond > 0) || beyond * beyond <= aside_squared) return Seen::both;
+  return product < 0 ? Seen::from_behind : Seen::from_front;
+}
+
+// What is to be tested of the facets of one block.
+struct BlockCulling {
+  bool leaves_out_all, tests_facing;
+  int plane_count = 0;
+  glm::vec4 planes[most_clip_planes];
+  float reach = 0;
+
+  HWY_INLINE BlockCulling(const KeySource& source, std::size_t block, Seen seen)
+      : leaves_out_all(seen == Seen::from_behind), tests_facing(seen == Seen::both) {
+    if (source.plane_count == 0 || leaves_out_all) return;
+    plane_count = cutting_planes(source, source.blocks[block], planes);
+    leaves_out_all = plane_count < 0;
+    reach = source.blocks[block].reach;
+  }
+  bool tests_anything() const { return tests_facing || plane_count > 0; }
+};
+
+// For each vector of a tile's facets, from `i` on, keep(i, which of them are not culled). The tile lies in one block.
+template <typename Keep>
+HWY_INLINE void cull_tile(const KeySource& source, const BlockCulling& culling, std::size_t first, std::size_t count,
+                          const Keep& keep_facets) {
   const FloatTag d;
   const IntTag di;
-  glm::vec4 planes[most_clip_planes];
-  int plane_count = 0;
-  float reach = 0;
-  if (source.plane_count != 0) {
-    const FacetBlock& block = source.blocks[first / block_facets];
-    plane_count = cutting_planes(source, block, planes);
-    if (plane_count < 0) return 0;
-    reach = block.reach;
-  }
-  const bool facing = source.facing.x != nullptr;
-  if (!facing && plane_count == 0) return count;
-
   const TilePoints points(source.culled_by, first, count);
   HWY_ALIGN std::int16_t copies[3][tile_facets];
   const std::int16_t *nx = copies[0], *ny = copies[1], *nz = copies[2];
-  if (facing) {
+  if (culling.tests_facing) {
     nx = whole_vectors(source.facing.x + first, count, copies[0]);
     ny = whole_vectors(source.facing.y + first, count, copies[1]);
     nz = whole_vectors(source.facing.z + first, count, copies[2]);
@@ -168,11 +196,10 @@ HWY_INLINE std::size_t cull_tile(const KeySource& source, std::size_t first, std
   const FloatVec scale = hn::Set(d, source.facing.scale);
   const FloatVec ex = hn::Set(d, source.facing.eye.x), ey = hn::Set(d, source.facing.eye.y),
                  ez = hn::Set(d, source.facing.eye.z);
-  std::size_t kept = 0;
   for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
     const FloatVec x = hn::LoadU(d, points.x + i), y = hn::LoadU(d, points.y + i), z = hn::LoadU(d, points.z + i);
     FloatMask keep = hn::FirstN(d, count - i);
-    if (facing) {
+    if (culling.tests_facing) {
       const FloatVec dx = hn::Sub(ex, hn::Mul(scale, x)), dy = hn::Sub(ey, hn::Mul(scale, y)),
                      dz = hn::Sub(ez, hn::Mul(scale, z));
       const FloatVec product = hn::Add(hn::Add(hn::Mul(component(nx + i), dx), hn::Mul(component(ny + i), dy)),
@@ -182,40 +209,39 @@ HWY_INLINE std::size_t cull_tile(const KeySource& source, std::size_t first, std
       const FloatVec error = hn::Add(hn::Mul(hn::Set(d, 0.6f), reach_of_rounding), hn::Set(d, 0.25f));
       keep = hn::And(keep, hn::Ge(hn::Add(product, error), hn::Zero(d)));
     }
-    for (int p = 0; p < plane_count; ++p) {
-      const FloatVec value = hn::Add(hn::Add(hn::Mul(hn::Set(d, planes[p].x), x), hn::Mul(hn::Set(d, planes[p].y), y)),
-                                     hn::Mul(hn::Set(d, planes[p].z), z));
-      const float slack = reach + 32 * 3.5f * 0x1p-24f + glm::abs(planes[p].w) * 0x1p-22f;
-      keep = hn::And(keep, hn::Ge(value, hn::Set(d, -planes[p].w - slack)));
+    for (int p = 0; p < culling.plane_count; ++p) {
+      const glm::vec4& plane = culling.planes[p];
+      const FloatVec value = hn::Add(hn::Add(hn::Mul(hn::Set(d, plane.x), x), hn::Mul(hn::Set(d, plane.y), y)),
+                                     hn::Mul(hn::Set(d, plane.z), z));
+      const float slack = culling.reach + 32 * 3.5f * 0x1p-24f + glm::abs(plane.w) * 0x1p-22f;
+      keep = hn::And(keep, hn::Ge(value, hn::Set(d, -plane.w - slack)));
     }
-    // Neighbours mostly face the same way. Where they don't, without a branch a facet.
-    if (hn::AllFalse(d, keep)) continue;
-    if (hn::AllTrue(d, keep)) {
-      hn::StoreU(hn::Load(d, tile.keys + i), d, tile.keys + kept);
-      hn::StoreU(hn::Load(IdTag(), tile.ids + i), IdTag(), tile.ids + kept);
-      kept += hn::Lanes(d);
-      continue;
-    }
-    std::uint8_t bits[8] = {};
-    hn::StoreMaskBits(d, keep, bits);
-    for (std::size_t lane = 0; lane < hn::Lanes(d); ++lane) {
-      tile.keys[kept] = tile.keys[i + lane];
-      tile.ids[kept] = tile.ids[i + lane];
-      kept += bits[lane / 8] >> (lane % 8) & 1;
-    }
+    keep_facets(i, keep);
   }
-  return kept;
 }
 
 // Keys and ids of the facets of a tile that are not culled; the number of them.
-HWY_INLINE std::size_t entries_of_tile(const KeySource& source, std::size_t first, std::size_t count, Tile& tile) {
-  const IdTag d;
-  keys_of_tile(source, first, count, tile.keys);
-  if (source.sign < 0) flip_sign(count, tile.keys);
-  for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
-    hn::Store(hn::Iota(d, static_cast<std::uint32_t>(first + i)), d, tile.ids + i);
+HWY_INLINE std::size_t entries_of_tile(const KeySource& source, const BlockCulling& culling, std::size_t first,
+                                       std::size_t count, Tile& tile) {
+  const FloatTag d;
+  const IdTag du;
+  if (culling.leaves_out_all) return 0;
+  signed_keys_of_tile(source, first, count, tile.keys);
+  const auto lane_ids = hn::Iota(du, 0);
+  const auto ids_from = [&](std::size_t i)
+                            HWY_ATTR { return hn::Add(lane_ids, hn::Set(du, static_cast<std::uint32_t>(first + i))); };
+  if (!culling.tests_anything()) {
+    for (std::size_t i = 0; i < count; i += hn::Lanes(du)) hn::Store(ids_from(i), du, tile.ids + i);
+    return count;
   }
-  return source.culls() ? cull_tile(source, first, count, tile) : count;
+  std::size_t kept = 0;
+  cull_tile(source, culling, first, count, [&](std::size_t i, FloatMask keep) HWY_ATTR {
+    // In registers, and then stored whole: instructions that store some lanes alone are slow on some processors.
+    hn::StoreU(hn::Compress(hn::Load(d, tile.keys + i), keep), d, tile.keys + kept);
+    hn::StoreU(hn::Compress(ids_from(i), hn::RebindMask(du, keep)), du, tile.ids + kept);
+    kept += hn::CountTrue(d, keep);
+  });
+  return kept;
 }
 
 // Calls body(first, count) for the tiles of [begin, end), none of which crosses the border of a block.
@@ -226,6 +252,39 @@ HWY_INLINE void for_tiles(std::size_t begin, std::size_t end, const Body& body) 
     body(begin, count);
     begin += count;
   }
+}
+
+// Calls body(first, count, culling) for the tiles of [begin, end) that are not left out as a whole.
+template <typename Body>
+HWY_INLINE void for_culled_tiles(const KeySource& source, std::size_t begin, std::size_t end, const Body& body) {
+  // Which blocks are seen how, told for many without a branch: the outcome can't be foreseen.
+  constexpr std::size_t told_at_once = 64;
+  struct {
+    std::size_t block;
+    Seen seen;
+  } told[told_at_once];
+  for (std::size_t block = begin / block_facets; block * block_facets < end;) {
+    std::size_t left = 0;
+    const std::size_t last = std::min(block + told_at_once, (end + block_facets - 1) / block_facets);
+    for (; block < last; ++block) {
+      told[left] = {block, source.facing.x == nullptr ? Seen::from_front
+                                                      : seen_of_block(source.facing, source.facing.cones[block])};
+      left += told[left].seen != Seen::from_behind;
+    }
+    for (std::size_t i = 0; i < left; ++i) {
+      const BlockCulling culling(source, told[i].block, told[i].seen);
+      const std::size_t first = std::max(begin, told[i].block * block_facets);
+      if (!culling.leaves_out_all) body(first, std::min(end, (told[i].block + 1) * block_facets) - first, culling);
+    }
+  }
+}
+
+// Calls body(kept, count) with the keys and ids of each tile's facets that are not culled in `tile`.
+template <typename Body>
+HWY_INLINE void for_entries(const KeySource& source, std::size_t begin, std::size_t end, Tile& tile, const Body& body) {
+  for_culled_tiles(source, begin, end, [&](std::size_t first, std::size_t count, const BlockCulling& culling) HWY_ATTR {
+    body(entries_of_tile(source, culling, first, count, tile), count);
+  });
 }
 
 HWY_INLINE FloatVec bucket_of(const BucketMap& map, FloatVec key) {
@@ -310,8 +369,7 @@ std::size_t Collect(const KeySource& source, std::size_t begin, std::size_t end,
   const IdTag d;
   Tile tile;
   std::size_t total = 0;
-  for_tiles(begin, end, [&](std::size_t first, std::size_t count) HWY_ATTR {
-    const std::size_t kept = entries_of_tile(source, first, count, tile);
+  for_entries(source, begin, end, tile, [&](std::size_t kept, std::size_t count) HWY_ATTR {
     if (count == tile_facets) {
       // In whole vectors: what lies behind those kept is still to be written, or to be left over.
       for (std::size_t i = 0; i < kept; i += hn::Lanes(d)) {
@@ -332,16 +390,14 @@ std::size_t Collect(const KeySource& source, std::size_t begin, std::size_t end,
 void CountFacets(const KeySource& source, const BucketMap& map, std::size_t begin, std::size_t end,
                  std::uint32_t* counts) {
   Tile tile;
-  for_tiles(begin, end, [&](std::size_t first, std::size_t count) HWY_ATTR {
-    count_tile(tile.keys, entries_of_tile(source, first, count, tile), map, tile.buckets, counts);
-  });
+  for_entries(source, begin, end, tile,
+              [&](std::size_t kept, std::size_t) HWY_ATTR { count_tile(tile.keys, kept, map, tile.buckets, counts); });
 }
 
 void PartitionFacets(const KeySource& source, const BucketMap& map, std::size_t begin, std::size_t end,
                      std::uint32_t* cursors, const Entries& to) {
   Tile tile;
-  for_tiles(begin, end, [&](std::size_t first, std::size_t count) HWY_ATTR {
-    const std::size_t kept = entries_of_tile(source, first, count, tile);
+  for_entries(source, begin, end, tile, [&](std::size_t kept, std::size_t) HWY_ATTR {
     partition_tile(tile.keys, tile.ids, kept, map, tile.buckets, cursors, to);
   });
 }

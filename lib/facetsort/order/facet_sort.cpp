@@ -55,6 +55,11 @@ std::size_t step_count(std::size_t facets) {
   return std::clamp((facets / 2 + 3) / 4 * 4, least_steps, most_steps);
 }
 
+// Room for counts of steps: a facet each, and for what rounds two parts' steps up.
+std::size_t counted(std::size_t facets) {
+  return facets + 8;
+}
+
 // Wider than the sample by a margin: what lies outside is on the first and the last step.
 BucketMap step_map(const KeySource& source, std::size_t begin, std::size_t end, std::size_t steps) {
   const KeyRange range = typical_range(source, begin, end);
@@ -83,7 +88,8 @@ std::size_t FacetSort::reserve(std::size_t facets) {
   sorted_.get(facets * sizeof(std::int64_t));
   crowded_.get(facets / crowded_share + 2);
   constexpr std::size_t bins_of_count = sizeof(std::uint32_t) / sizeof(std::uint16_t);
-  bins_.get(std::max({threads * bin_count(sorted_at_once_), facets * bins_of_count, least_steps * bins_of_count}));
+  bins_.get(
+      std::max({threads * bin_count(sorted_at_once_), counted(facets) * bins_of_count, least_steps * bins_of_count}));
   return threads;
 }
 
@@ -222,8 +228,8 @@ void FacetSort::sort_crowded(const KeySource& source, std::size_t begin, std::sp
 std::size_t FacetSort::sort_in_steps(const KeySource& source, std::size_t begin, std::size_t end, std::size_t threads,
                                      std::size_t thread, const Output& output) {
   const std::size_t facets = end - begin, steps = step_count(facets);
-  // No more counts than facets, so that there is room for them.
-  const std::size_t parts = threads == 1 ? 1 : std::clamp<std::size_t>(facets / steps, 1, threads);
+  // As many as there is room for counts.
+  const std::size_t parts = threads == 1 ? 1 : std::clamp<std::size_t>(counted(facets) / steps, 1, threads);
   const BucketMap map = step_map(source, begin, end, steps);
   const ThreadScratch scratch = scratch_of(thread);
   std::uint32_t* counts = reinterpret_cast<std::uint32_t*>(scratch.bins);

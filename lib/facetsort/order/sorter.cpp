@@ -88,6 +88,40 @@ void compute_normals(std::span<const glm::uvec3> triangles, const StridedPositio
   });
 }
 
+// Normals as they are tested, and so as they were rounded.
+void compute_cones(const Normals& normals, const PointArrays& points, std::vector<NormalCone>& cones) {
+  constexpr double outwards = 0x1p-20;
+  const std::size_t facets = normals.x.size();
+  cones.resize((facets + block_facets - 1) / block_facets);
+  parallel_ranges(cones.size(), facets_per_task / block_facets, [&](std::size_t begin, std::size_t end) {
+    std::array<glm::dvec3, block_facets> directions;
+    for (std::size_t block = begin; block < end; ++block) {
+      const std::size_t first = block * block_facets, count = std::min(block_facets, facets - first);
+      glm::dvec3 lowest(std::numeric_limits<double>::infinity()), highest = -lowest, sum(0);
+      for (std::size_t i = 0; i < count; ++i) {
+        const std::size_t facet = first + i;
+        const glm::dvec3 point(points.x[facet], points.y[facet], points.z[facet]);
+        const glm::dvec3 normal(normals.x[facet], normals.y[facet], normals.z[facet]);
+        lowest = glm::min(lowest, point);
+        highest = glm::max(highest, point);
+        directions[i] = normal / std::max(glm::length(normal), 1.0);
+        sum += directions[i];
+      }
+      const glm::dvec3 axis = sum / std::max(glm::length(sum), 1e-6);
+      double cosine = 1;
+      for (std::size_t i = 0; i < count; ++i) cosine = std::min(cosine, glm::dot(directions[i], axis));
+      cosine -= outwards;
+      const bool is_cone = cosine > 0;
+      const glm::dvec3 centre = (lowest + highest) / 2.0;
+      cones[block] = {.centre = glm::vec3(centre),
+                      .radius = static_cast<float>(glm::length(highest - centre) + outwards),
+                      .axis = glm::vec3(axis),
+                      .cosine = is_cone ? static_cast<float>(cosine) : 0,
+                      .sine = is_cone ? static_cast<float>(std::sqrt(1 - cosine * cosine) + outwards) : 1};
+    }
+  });
+}
+
 void compute_blocks(std::span<const glm::uvec3> triangles, const StridedPositions& positions, const FacetFrame& frame,
                     const PointArrays& points, std::vector<FacetBlock>& blocks) {
   constexpr double outwards = 0x1p-21;  // beyond the rounding of a coordinate below 2
@@ -120,6 +154,7 @@ struct Sorter::State {
   PointArrays points[3];  // one set for the keys of one point a facet; three corners for nearest and farthest
   PointArrays centroids;  // to cull by, where points[0] lies beside the facet's plane
   Normals normals;
+  std::vector<NormalCone> cones;  // of the normals, a block each
   std::vector<FacetBlock> blocks;
 
   FacetSort facet_sort;
@@ -177,10 +212,12 @@ void Sorter::State::prepare(std::span<const glm::uvec3> triangles, const Strided
     case Method::presorted:
       assert(false && "not a depth key");
   }
-  if (options.cull_back_faces) compute_normals(triangles, positions, normals);
-  if (options.cull_by_clip_planes) {
-    compute_blocks(triangles, positions, frame, centroids.size() == 0 ? points[0] : centroids, blocks);
+  const PointArrays& culled_by = centroids.size() == 0 ? points[0] : centroids;
+  if (options.cull_back_faces) {
+    compute_normals(triangles, positions, normals);
+    compute_cones(normals, culled_by, cones);
   }
+  if (options.cull_by_clip_planes) compute_blocks(triangles, positions, frame, culled_by, blocks);
   forget_view();
 }
 
@@ -222,6 +259,7 @@ KeySource Sorter::State::source() const {
   made.sign = options.direction == Direction::front_to_back ? -1.0f : 1.0f;
   if (options.cull_back_faces) {
     made.facing = facing_test(frame, view.eye);
+    made.facing.cones = cones.data();
     made.facing.x = normals.x.data();
     made.facing.y = normals.y.data();
     made.facing.z = normals.z.data();
@@ -296,7 +334,7 @@ void Sorter::State::sort_ranges(const SortView& of_view, std::span<const glm::uv
 
 std::size_t Sorter::State::prepared_bytes() const {
   const auto bytes = [](const auto& list) { return list.capacity() * sizeof(list[0]); };
-  std::size_t sum = bytes(normals.x) + bytes(normals.y) + bytes(normals.z) + bytes(blocks);
+  std::size_t sum = bytes(normals.x) + bytes(normals.y) + bytes(normals.z) + bytes(cones) + bytes(blocks);
   for (const PointArrays* of : {&points[0], &points[1], &points[2], &centroids}) {
     sum += bytes(of->x) + bytes(of->y) + bytes(of->z);
   }

@@ -19,48 +19,99 @@ HWY_INLINE std::size_t step_of_four(std::uint64_t four, int k) {
   return four >> 16 * (std::endian::native == std::endian::little ? k : 3 - k) & 0xffff;
 }
 
+HWY_INLINE hn::Vec<IntTag> steps_of(const BucketMap& map, FloatVec keys) {
+  const FloatTag d;
+  const IntTag di;
+  // Floats from here on are integers, which their lowest bits hold.
+  return hn::And(hn::BitCast(di, hn::Add(bucket_of(map, keys), hn::Set(d, 0x1p23f))), hn::Set(di, 0xffff));
+}
+
 // In whole vectors.
 HWY_INLINE void steps_of_tile(const float* keys, std::size_t count, const BucketMap& map, std::uint16_t* steps) {
   const FloatTag d;
-  const IntTag di;
   const hn::Rebind<std::uint16_t, FloatTag> d16;
-  // Floats from here on are integers, which their lowest bits hold.
-  const FloatVec integers = hn::Set(d, 0x1p23f);
   for (std::size_t i = 0; i < count; i += hn::Lanes(d)) {
-    const FloatVec step = hn::Add(bucket_of(map, hn::Load(d, keys + i)), integers);
-    hn::StoreU(hn::DemoteTo(d16, hn::And(hn::BitCast(di, step), hn::Set(di, 0xffff))), d16, steps + i);
+    hn::StoreU(hn::DemoteTo(d16, steps_of(map, hn::Load(d, keys + i))), d16, steps + i);
   }
 }
 
-HWY_INLINE void count_steps_of_tile(const std::uint16_t* steps, std::size_t count, std::uint32_t* counts) {
-  std::size_t i = 0;
-  for (; i + 4 <= count; i += 4) {
-    const std::uint64_t four = four_steps(steps + i);
+// From steps[first] on, in fours as far as there are some; where it ended.
+HWY_INLINE std::size_t count_fours(const std::uint16_t* steps, std::size_t first, std::size_t end,
+                                   std::uint32_t* counts) {
+  for (; first + 4 <= end; first += 4) {
+    const std::uint64_t four = four_steps(steps + first);
     for (int k = 0; k < 4; ++k) ++counts[step_of_four(four, k)];
   }
-  for (; i < count; ++i) ++counts[steps[i]];
+  return first;
+}
+
+// Steps and ids of the facets of a tile that are not culled; the number of them. Writes whole vectors, up to a tile.
+HWY_INLINE std::size_t kept_steps_of_tile(const KeySource& source, const BucketMap& map, const BlockCulling& culling,
+                                          std::size_t first, std::size_t count, std::uint16_t* steps,
+                                          std::uint32_t* ids) {
+  const FloatTag d;
+  const IntTag di;
+  const IdTag du;
+  const hn::Rebind<std::uint16_t, FloatTag> d16;
+  HWY_ALIGN float keys[tile_facets];
+  signed_keys_of_tile(source, first, count, keys);
+  const auto lane_ids = hn::Iota(du, 0);
+  const auto ids_from = [&](std::size_t i)
+                            HWY_ATTR { return hn::Add(lane_ids, hn::Set(du, static_cast<std::uint32_t>(first + i))); };
+  if (!culling.tests_anything()) {
+    steps_of_tile(keys, count, map, steps);
+    for (std::size_t i = 0; i < count; i += hn::Lanes(du)) hn::StoreU(ids_from(i), du, ids + i);
+    return count;
+  }
+  std::size_t kept = 0;
+  cull_tile(source, culling, first, count, [&](std::size_t i, FloatMask keep) HWY_ATTR {
+    const auto step = steps_of(map, hn::Load(d, keys + i));
+    hn::StoreU(hn::DemoteTo(d16, hn::Compress(step, hn::RebindMask(di, keep))), d16, steps + kept);
+    hn::StoreU(hn::Compress(ids_from(i), hn::RebindMask(du, keep)), du, ids + kept);
+    kept += hn::CountTrue(d, keep);
+  });
+  return kept;
 }
 
 std::size_t CountSteps(const KeySource& source, const BucketMap& map, std::size_t begin, std::size_t end,
                        std::uint16_t* steps, std::uint32_t* ids, std::uint32_t* counts) {
-  const bool culls = source.culls();
-  Tile tile;
-  HWY_ALIGN std::uint16_t tile_steps[tile_facets];
-  std::size_t total = 0;
-  for_tiles(begin, end, [&](std::size_t first, std::size_t count) HWY_ATTR {
-    std::size_t kept = count;
-    if (culls) {
-      kept = entries_of_tile(source, first, count, tile);
-      std::memcpy(ids + total, tile.ids, kept * sizeof(std::uint32_t));
-    } else {
-      keys_of_tile(source, first, count, tile.keys);
-      if (source.sign < 0) flip_sign(count, tile.keys);
-    }
-    steps_of_tile(tile.keys, kept, map, tile_steps);
-    count_steps_of_tile(tile_steps, kept, counts);
-    std::memcpy(steps + total, tile_steps, kept * sizeof(std::uint16_t));
+  // Where a loop over what is left of a tile ends can't be foreseen: such loops go over many tiles.
+  constexpr std::size_t counted_at_once = 16 * tile_facets;
+  HWY_ALIGN std::uint16_t tile_steps[padded_tile];
+  std::size_t total = 0, counted = 0;
+  // Whole tiles: what lies behind those kept is to be written yet, or is left over.
+  const auto has_room = [&] HWY_ATTR { return total + tile_facets <= end - begin; };
+  const auto add = [&](std::size_t kept) HWY_ATTR {
     total += kept;
-  });
+    if (total - counted >= counted_at_once) counted = count_fours(steps, counted, total, counts);
+  };
+  if (source.culls()) {
+    HWY_ALIGN std::uint32_t tile_ids[padded_tile];
+    for_culled_tiles(
+        source, begin, end, [&](std::size_t first, std::size_t count, const BlockCulling& culling) HWY_ATTR {
+          if (has_room()) {
+            return add(kept_steps_of_tile(source, map, culling, first, count, steps + total, ids + total));
+          }
+          const std::size_t kept = kept_steps_of_tile(source, map, culling, first, count, tile_steps, tile_ids);
+          std::memcpy(steps + total, tile_steps, kept * sizeof(std::uint16_t));
+          std::memcpy(ids + total, tile_ids, kept * sizeof(std::uint32_t));
+          add(kept);
+        });
+  } else {
+    HWY_ALIGN float keys[tile_facets];
+    for_tiles(begin, end, [&](std::size_t first, std::size_t count) HWY_ATTR {
+      signed_keys_of_tile(source, first, count, keys);
+      if (has_room()) {
+        steps_of_tile(keys, count, map, steps + total);
+      } else {
+        steps_of_tile(keys, count, map, tile_steps);
+        std::memcpy(steps + total, tile_steps, count * sizeof(std::uint16_t));
+      }
+      add(count);
+    });
+  }
+  counted = count_fours(steps, counted, total, counts);
+  for (; counted < total; ++counted) ++counts[steps[counted]];
   return total;
 }
 
@@ -164,7 +215,7 @@ HWY_INLINE void write_triangles(const std::uint32_t* ids, std::size_t count, con
 
 void WriteOrder(const std::uint32_t* ids, std::size_t count, const Output& output) {
   // Triangles come from memory in time if they are asked for so many ahead.
-  constexpr std::size_t ahead = 32;
+  constexpr std::size_t ahead = 192;
   const std::uint32_t* corners = output.corners;
   for (std::size_t first = 0; first < count; first += tile_facets) {
     const std::size_t size = std::min(tile_facets, count - first);
