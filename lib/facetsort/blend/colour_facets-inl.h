@@ -105,7 +105,7 @@ HWY_INLINE StraightColours default_colours(std::uint32_t first) {
   const ColourTag d;
   const hn::RebindToUnsigned<ColourTag> du;
   const hn::RebindToSigned<ColourTag> di;
-  auto hash = hn::Iota(du, first);
+  auto hash = hn::Add(hn::Iota(du, 0), hn::Set(du, first));
   hash = hn::Mul(hn::Xor(hash, hn::ShiftRight<16>(hash)), hn::Set(du, 0x85ebca6bu));
   hash = hn::Mul(hn::Xor(hash, hn::ShiftRight<13>(hash)), hn::Set(du, 0xc2b2ae35u));
   hash = hn::Xor(hash, hn::ShiftRight<16>(hash));

@@ -216,7 +216,8 @@ struct RowSpans {
     const auto origin_x = hn::Set(di, lines.origin_x);
     are_certain = true;
     for (int k = 0; k < rows; k += static_cast<int>(hn::Lanes(d))) {
-      const auto y = hn::Iota(d, static_cast<float>(static_cast<int>(entry.y0) + k - lines.origin_y));
+      const int top = static_cast<int>(entry.y0) + k - lines.origin_y;
+      const auto y = hn::Add(hn::Iota(d, 0), hn::Set(d, static_cast<float>(top)));
       auto covered_from = box_first, covered_to = box_last, possible_from = box_first, possible_to = box_last;
       for (int i = 0; i < lines.count; ++i) {
         const float slope = std::abs(lines.a[i]) < least_slope ? least_slope : lines.a[i];

@@ -56,7 +56,7 @@ struct ScreenDepth {
     const auto row = hn::Set(dd, line.b * y + line.c);
     HWY_ALIGN float values[tile_size];
     for (int lane = 0; lane < lanes; lane += part_lanes) {
-      const auto fx = hn::Iota(dd, static_cast<double>(x + lane));
+      const auto fx = hn::Add(hn::Iota(dd, 0), hn::Set(dd, static_cast<double>(x + lane)));
       hn::Store(hn::DemoteTo(part, hn::Add(hn::Mul(hn::Set(dd, line.a), fx), row)), part, values + lane);
     }
     return hn::Clamp(hn::Load(d, values), hn::Set(d, nearest), hn::Set(d, farthest));

@@ -49,7 +49,7 @@ HWY_INLINE hn::VFromD<FloatTag> interpolate(const Interpolant& numerator, const 
   };
   HWY_ALIGN float values[tile_size];
   for (int lane = 0; lane < lanes; lane += part_lanes) {
-    const auto fx = hn::Iota(dd, static_cast<double>(x + lane));
+    const auto fx = hn::Add(hn::Iota(dd, 0), hn::Set(dd, static_cast<double>(x + lane)));
     const auto quotient = hn::Div(evaluate(numerator, fx), evaluate(denominator, fx));
     hn::Store(hn::DemoteTo(part, quotient), part, values + lane);
   }
