@@ -146,21 +146,81 @@ TEST(SceneStrategy, NothingButOpaqueNeedsNoOrder) {
 }
 
 // Along the camera's own up, where a matrix made of it would be no matrix.
-TEST(SceneStrategy, EnginesOrderObjectsSeenFromStraightAbove) {
+// Two triangles one above the other, the nearer one first, and a camera straight above.
+Scene stacked_triangles() {
   Scene scene;
   scene.materials = {{.material = {.base_colour = {1, 0, 0, 0.5f}}}, {.material = {.base_colour = {0, 0, 1, 0.5f}}}};
   const Mesh triangle{{{-4, 0, -4}, {0, 0, 8}, {4, 0, -4}}, {{0, 1, 2}}, {}, {}};
   scene.meshes = {scene_mesh(triangle, 0), scene_mesh(triangle, 1)};
-  scene.objects = {{.mesh = 0, .world = at(0, 1, 0)}, {.mesh = 1}};  // the nearer one first
-  const MergedScene merged(std::move(scene));
+  scene.objects = {{.mesh = 0, .world = at(0, 1, 0)}, {.mesh = 1}};
+  return scene;
+}
+
+View straight_above() {
   View view;
   view.eye = {0, 8, 0};
   view.at = {0, 0, 0};
   view.width = view.height = 32;
+  return view;
+}
+
+TEST(SceneStrategy, EnginesOrderObjectsSeenFromStraightAbove) {
+  const MergedScene merged(stacked_triangles());
+  const View view = straight_above();
   for (const DrawOrderRule rule : all_draw_order_rules()) {
     const std::string name = "draw_order:" + std::string(draw_order_rule_name(rule));
     EXPECT_EQ(pixels_off(merged.draw(name, view), merged.draw("reference", view)), 0u) << name;
   }
+}
+
+TEST(SceneStrategy, EnginesHeedTheirSettings) {
+  const auto expect_picture_of = [](const char* strategy, DrawOrderRule rule, const char* what,
+                                    void (*set)(EngineSettings & nearer, EngineSettings & farther)) {
+    Scene scene = stacked_triangles();
+    set(scene.objects[0].settings, scene.objects[1].settings);
+    scene.panda3d_bins = {{"last", 60, Panda3DBinType::fixed}};
+    ASSERT_TRUE(validate(scene).ok());
+    const MergedScene merged(std::move(scene));
+    const View view = straight_above();
+    const Image expected = merged.draw(strategy, view);
+    EXPECT_GT(pixels_off(expected, merged.draw("reference", view)), 100u);
+    EXPECT_EQ(pixels_off(merged.draw("draw_order:" + std::string(draw_order_rule_name(rule)), view), expected), 0u)
+        << what;
+  };
+  using Settings = EngineSettings;
+  // The nearer one first, and without depth: the picture of `unsorted`.
+  expect_picture_of("unsorted", DrawOrderRule::galacean, "priority",
+                    [](Settings&, Settings& farther) { farther.galacean.priority = 1; });
+  expect_picture_of("unsorted", DrawOrderRule::babylon, "alphaIndex",
+                    [](Settings& nearer, Settings&) { nearer.babylon.alpha_index = 0; });
+  expect_picture_of("unsorted", DrawOrderRule::babylon, "renderingGroupId", [](Settings& nearer, Settings& farther) {
+    nearer.babylon.force_depth_write = true;  // and depth is cleared before the next group
+    farther.babylon.rendering_group_id = 5;
+  });
+  expect_picture_of("unsorted", DrawOrderRule::three, "renderOrder", [](Settings& nearer, Settings& farther) {
+    nearer.three.depth_write = false;
+    farther.three.render_order = 1;
+  });
+  expect_picture_of("unsorted", DrawOrderRule::three, "depthTest", [](Settings&, Settings& farther) {
+    farther.three.group_order = 1;
+    farther.three.depth_test = false;
+  });
+  expect_picture_of("unsorted", DrawOrderRule::panda3d, "bin", [](Settings& nearer, Settings& farther) {
+    nearer.panda3d.depth_write = false;
+    farther.panda3d.bin = "last";
+  });
+  expect_picture_of("unsorted", DrawOrderRule::panda3d, "drawOrder", [](Settings& nearer, Settings& farther) {
+    nearer.panda3d = {.bin = "fixed", .draw_order = -2};
+    farther.panda3d = {.bin = "fixed", .draw_order = -1, .depth_test = false};
+  });
+  // The nearer one first, with depth: the farther one is lost.
+  expect_picture_of("depth_write", DrawOrderRule::babylon, "forceDepthWrite", [](Settings& nearer, Settings&) {
+    nearer.babylon = {.alpha_index = 0, .force_depth_write = true};
+  });
+  expect_picture_of("depth_write", DrawOrderRule::three, "renderOrder, depth written",
+                    [](Settings&, Settings& farther) { farther.three.render_order = 1; });
+  expect_picture_of("depth_write", DrawOrderRule::panda3d, "bin, depth written",
+                    [](Settings& nearer, Settings&) { nearer.panda3d.bin = "background"; });
 }
 
 // Convex objects apart from each other and seen from outside need no more than each engine does.

@@ -363,6 +363,35 @@ TEST_F(ReadScene, NamesWhatItRefuses) {
                Fault::non_finite_position, "mesh 0: facet 0 uses vertex 1");
   expect_fault(with([](GltfText& t) { t.more = ",\"extras\":" + std::string(100000, '[') + std::string(100000, ']'); }),
                Fault::malformed, "nested");
+  const auto with_settings = [](const std::string& settings) {
+    GltfText text = one_triangle();
+    text.nodes = R"({"mesh":0,"extras":{"others":3,"facetsort":)" + settings + "}}";
+    return text.gltf();
+  };
+  expect_fault(with_settings("3"), Fault::malformed, "node 0: extras.facetsort is no object");
+  expect_fault(with_settings(R"({"unity":{"order":1}})"), Fault::malformed, "node 0: extras: no engine is 'unity'");
+  expect_fault(with_settings(R"({"three":[1]})"), Fault::malformed, "node 0: extras: three is no object");
+  expect_fault(with_settings(R"({"three":{"renderOder":1}})"), Fault::malformed,
+               "node 0 extras, three: no setting is 'renderOder'");
+  expect_fault(with_settings(R"({"three":{"depthWrite":1}})"), Fault::malformed,
+               "three.depthWrite is of the wrong type");
+  expect_fault(with_settings(R"({"babylon":{"renderingGroupId":1.5}})"), Fault::malformed, "babylon.renderingGroupId");
+  expect_fault(with_settings(R"({"babylon":{"renderingGroupId":-1}})"), Fault::malformed, "babylon.renderingGroupId");
+  expect_fault(with_settings(R"({"babylon":{"renderingGroupId":64}})"), Fault::bad_argument,
+               "rendering group 64 of 64");
+  expect_fault(with_settings(R"({"panda3d":{"bin":"late"}})"), Fault::bad_argument, "no bin is called 'late'");
+  const auto with_bins = [](const std::string& bins) {
+    GltfText text = one_triangle();
+    text.scene_nodes += R"(],"extras":{"facetsort":{"panda3d":{"bins":)" + bins + R"(}}},"x":[)";
+    return text.gltf();
+  };
+  expect_fault(with_bins(R"({"name":"late"})"), Fault::malformed, "scene 0: extras: panda3d.bins is no list");
+  expect_fault(with_bins(R"([{"name":"late","sort":60}])"), Fault::malformed,
+               "scene 0 extras, bin 0: a bin without a type");
+  expect_fault(with_bins(R"([{"name":"late","sort":60,"type":"random"}])"), Fault::malformed,
+               "no type of bins is 'random'");
+  expect_fault(with_bins(R"([{"name":"fixed","sort":60,"type":"fixed"}])"), Fault::bad_argument,
+               "two bins are called 'fixed'");
   expect_fault("{\"asset\":", Fault::malformed, "");
   expect_fault("", Fault::malformed, "");
 }

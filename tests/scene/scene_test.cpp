@@ -44,6 +44,17 @@ TEST(Scene, NamesWhatIsWrong) {
                 },
                 "mesh 0"),
             Fault::non_finite_position);
+  EXPECT_EQ(fault_after([](Scene& s) { s.objects[3].settings.three.render_order = std::nan(""); }, "object 3"),
+            Fault::bad_argument);
+  EXPECT_EQ(fault_after([](Scene& s) { s.objects[3].settings.babylon.rendering_group_id = 64; },
+                        "object 3 is in rendering group 64 of 64"),
+            Fault::bad_argument);
+  EXPECT_EQ(
+      fault_after([](Scene& s) { s.objects[3].settings.panda3d.bin = "late"; }, "object 3: no bin is called 'late'"),
+      Fault::bad_argument);
+  EXPECT_EQ(
+      fault_after([](Scene& s) { s.panda3d_bins = {{.name = "opaque", .sort = 1}}; }, "two bins are called 'opaque'"),
+      Fault::bad_argument);
 }
 
 TEST(Scene, BlendedObjectsAreThoseWhoseMaterialIs) {

@@ -47,6 +47,17 @@ Scene rich_scene() {
   scene.meshes[2].material = 2;
   for (std::uint32_t i = 0; i < scene.objects.size(); ++i) scene.objects[i].mesh = i % 4;  // all are shown
   scene.objects[2].world = glm::dmat4(1);
+  scene.objects[0].settings.galacean.priority = -1.5;
+  scene.objects[1].settings.babylon = {.rendering_group_id = 5,
+                                       .alpha_index = 2,
+                                       .need_depth_pre_pass = true,
+                                       .separate_culling_pass = true,
+                                       .force_depth_write = true,
+                                       .disable_depth_write = true};
+  scene.objects[2].settings.three = {
+      .group_order = 1, .render_order = -2, .depth_test = false, .depth_write = false, .force_single_pass = true};
+  scene.objects[3].settings.panda3d = {.bin = "late", .draw_order = -7, .depth_test = false, .depth_write = false};
+  scene.panda3d_bins = {{"late", 60, Panda3DBinType::state_sorted}, {"early", -5, Panda3DBinType::fixed}};
   scene.cameras.push_back({.name = "eye", .eye = {1, 2, 3}, .at = {1, 2, 2}, .near_distance = 0.25});
   return scene;
 }
@@ -85,7 +96,9 @@ void expect_same(const Scene& found, const Scene& expected) {
     EXPECT_EQ(found.objects[i].name, expected.objects[i].name);
     EXPECT_EQ(found.objects[i].mesh, expected.objects[i].mesh);
     EXPECT_EQ(found.objects[i].world, expected.objects[i].world);
+    EXPECT_EQ(found.objects[i].settings, expected.objects[i].settings);
   }
+  EXPECT_EQ(found.panda3d_bins, expected.panda3d_bins);
   ASSERT_EQ(found.cameras.size(), expected.cameras.size());
   for (std::size_t i = 0; i < found.cameras.size(); ++i) {
     EXPECT_EQ(found.cameras[i].name, expected.cameras[i].name);

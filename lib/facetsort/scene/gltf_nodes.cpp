@@ -60,13 +60,7 @@ void check_world(const glm::dmat4& world, std::size_t index) {
 }
 
 std::vector<int> roots_of(const tinygltf::Model& model) {
-  if (!model.scenes.empty()) {
-    const int scene = model.defaultScene < 0 ? 0 : model.defaultScene;
-    if (static_cast<std::size_t>(scene) < model.scenes.size())
-      return model.scenes[static_cast<std::size_t>(scene)].nodes;
-    throw SceneError{Fault::index_out_of_range,
-                     "the default scene is " + std::to_string(scene) + " of " + std::to_string(model.scenes.size())};
-  }
+  if (!model.scenes.empty()) return model.scenes[shown_scene(model)].nodes;
   std::vector<bool> is_child(model.nodes.size(), false);
   for (const tinygltf::Node& node : model.nodes) {
     for (const int child : node.children) {
@@ -82,6 +76,13 @@ std::vector<int> roots_of(const tinygltf::Model& model) {
 }
 
 }  // namespace
+
+std::size_t shown_scene(const tinygltf::Model& model) {
+  const auto scene = static_cast<std::size_t>(std::max(model.defaultScene, 0));
+  if (scene < model.scenes.size()) return scene;
+  throw SceneError{Fault::index_out_of_range,
+                   "the default scene is " + std::to_string(scene) + " of " + std::to_string(model.scenes.size())};
+}
 
 SceneCamera read_camera(const tinygltf::Model& model, const tinygltf::Node& node, const glm::dmat4& world,
                         const std::string& place) {

@@ -17,6 +17,9 @@ struct PlacedNode {
   glm::dmat4 world;
 };
 
+// The default scene, the first where the file names none. Throws SceneError. Precondition: the model has scenes.
+std::size_t shown_scene(const tinygltf::Model& model);
+
 // Of the default scene (of the first where the file names none, of all nodes where it has none), parents before
 // children, each in the order of the file. Throws SceneError, where a node is reached twice too.
 std::vector<PlacedNode> placed_nodes(const tinygltf::Model& model);

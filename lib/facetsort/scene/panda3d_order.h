@@ -27,6 +27,8 @@ struct Panda3DBin {
   std::string name;
   int sort = 0;  // smaller bins are drawn first
   Panda3DBinType type = Panda3DBinType::unsorted;
+
+  bool operator==(const Panda3DBin&) const = default;
 };
 
 // background 10 fixed, opaque 20 state-sorted, transparent 30 back-to-front, fixed 40 fixed, unsorted 50 unsorted.

@@ -18,6 +18,7 @@
 #include "facetsort/scene/gltf_file.h"
 #include "facetsort/scene/gltf_nodes.h"
 #include "facetsort/scene/gltf_picture.h"
+#include "facetsort/scene/gltf_settings.h"
 
 namespace facetsort::scene_internal {
 namespace {
@@ -372,9 +373,14 @@ Scene Reader::read() {
     if (node.camera >= 0) scene_.cameras.push_back(read_camera(model_, node, placed.world, here));
     if (node.mesh < 0) continue;
     skinned_ += node.skin >= 0;
+    const EngineSettings settings = read_settings(node.extras, here);
     for (const std::uint32_t mesh : meshes_of(node.mesh, here)) {
-      scene_.objects.push_back({.name = node.name, .mesh = mesh, .world = placed.world});
+      scene_.objects.push_back({.name = node.name, .mesh = mesh, .world = placed.world, .settings = settings});
     }
+  }
+  if (!model_.scenes.empty()) {
+    const std::size_t shown = shown_scene(model_);
+    scene_.panda3d_bins = read_bins(model_.scenes[shown].extras, numbered("scene", shown));
   }
   if (scene_.objects.empty()) throw SceneError{Fault::empty_mesh, "no node shows a facet"};
   add_notes();

@@ -94,6 +94,11 @@ void append(Scene& to, Scene from) {
   append(to.textures, from.textures);
   append(to.objects, from.objects);
   append(to.cameras, from.cameras);
+  // The same bin may be told in each file.
+  std::erase_if(from.panda3d_bins, [&](const Panda3DBin& bin) {
+    return std::find(to.panda3d_bins.begin(), to.panda3d_bins.end(), bin) != to.panda3d_bins.end();
+  });
+  append(to.panda3d_bins, from.panda3d_bins);
   append(to.notes, from.notes);
 }
 
@@ -107,6 +112,7 @@ Result<Scene> read_scene(std::span<const std::filesystem::path> files) {
     append(scene, std::move(read).value());
   }
   if (scene.objects.empty()) return Status{Fault::empty_mesh, "no file to make a scene of"};
+  if (const Status status = validate(scene); !status.ok()) return status;  // bins of one name in two files
   return scene;
 }
 

@@ -2,7 +2,11 @@
 
 #include <cmath>
 #include <cstddef>
+#include <optional>
+#include <set>
 #include <span>
+#include <string>
+#include <string_view>
 
 #include "facetsort/mesh/inspect.h"
 
@@ -54,6 +58,34 @@ Status validate(const SceneObject& object, std::size_t index, std::size_t meshes
       return {Fault::bad_argument, part("object", index) + " has a place that is not finite or not affine"};
     }
   }
+  const EngineSettings& settings = object.settings;
+  for (const double number : {settings.galacean.priority, settings.babylon.alpha_index, settings.three.group_order,
+                              settings.three.render_order}) {
+    if (!std::isfinite(number))
+      return {Fault::bad_argument, part("object", index) + " has a setting that is not finite"};
+  }
+  if (settings.babylon.rendering_group_id >= EngineSettings::most_rendering_groups) {
+    return {Fault::bad_argument, part("object", index) + " is in rendering group " +
+                                     std::to_string(settings.babylon.rendering_group_id) + " of " +
+                                     std::to_string(EngineSettings::most_rendering_groups)};
+  }
+  return {};
+}
+
+// Bins are there once, and those that objects name are there.
+Status validate_bins(const Scene& scene) {
+  std::set<std::string_view> names;
+  const std::vector<Panda3DBin> own = panda3d_default_bins();
+  for (const Panda3DBin& bin : own) names.insert(bin.name);
+  for (const Panda3DBin& bin : scene.panda3d_bins) {
+    if (!names.insert(bin.name).second) return {Fault::bad_argument, "two bins are called '" + bin.name + "'"};
+  }
+  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+    const std::optional<std::string>& bin = scene.objects[i].settings.panda3d.bin;
+    if (bin && !names.contains(*bin)) {
+      return {Fault::bad_argument, part("object", i) + ": no bin is called '" + *bin + "'"};
+    }
+  }
   return {};
 }
 
@@ -74,7 +106,7 @@ Status validate(const Scene& scene) {
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     if (Status status = validate(scene.objects[i], i, scene.meshes.size()); !status.ok()) return status;
   }
-  return {};
+  return validate_bins(scene);
 }
 
 std::vector<std::uint32_t> blended_objects(const Scene& scene) {

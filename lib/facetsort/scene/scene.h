@@ -9,6 +9,8 @@
 #include "facetsort/base/status.h"
 #include "facetsort/mesh/material.h"
 #include "facetsort/mesh/mesh_view.h"
+#include "facetsort/scene/engine_settings.h"
+#include "facetsort/scene/panda3d_order.h"
 
 namespace facetsort {
 
@@ -34,6 +36,7 @@ struct SceneObject {
   std::string name{};
   std::uint32_t mesh = 0;  // of Scene::meshes
   glm::dmat4 world{1};     // from the mesh's space; affine
+  EngineSettings settings{};
 };
 
 // See View in blend/view.h, whose words these are.
@@ -52,6 +55,7 @@ struct Scene {
   std::vector<Texture> textures;
   std::vector<SceneObject> objects;
   std::vector<SceneCamera> cameras;
+  std::vector<Panda3DBin> panda3d_bins{};  // beside panda3d_default_bins(), for the objects' settings
   std::vector<std::string> notes;  // of the reader: what the file has and the scene has not, a line each
 
   const SceneMesh& mesh_of(std::uint32_t object) const { return meshes[objects[object].mesh]; }
@@ -59,8 +63,8 @@ struct Scene {
 };
 
 // Checks what all that take a scene count on: every mesh is valid (see validate(MeshView)) and has a material,
-// materials have their textures, objects have their meshes and finite, affine places. The fault names the part that has
-// it. A scene without objects is sound.
+// materials have their textures, objects have their meshes, finite, affine places, finite settings, and bins that are
+// there once. The fault names the part that has it. A scene without objects is sound.
 Status validate(const Scene& scene);
 
 // Those whose material is blended, by number: what has to be drawn back to front. Precondition: validate(scene) is ok.

@@ -81,7 +81,8 @@ std::vector<ObjectDraw> galacean_draws(const PlacedObjects& placed_objects, cons
       items_of(placed_objects, [](const SceneObject& object, const SceneMaterial& of, const DoubleBox& own) {
         const DoubleBox box = world_box(object, own);
         const Material& material = of.material;
-        GalaceanItem item{.bounds_min = box.lowest, .bounds_max = box.highest};
+        GalaceanItem item{
+            .priority = object.settings.galacean.priority, .bounds_min = box.lowest, .bounds_max = box.highest};
         item.material.is_transparent = material.alpha_mode == AlphaMode::blend;
         item.material.alpha_cutoff =
             material.alpha_mode == AlphaMode::mask ? static_cast<double>(material.alpha_cutoff) : 0;
@@ -102,19 +103,36 @@ std::vector<ObjectDraw> babylon_draws(const PlacedObjects& placed_objects, const
                                                                                : BabylonTransparencyMode::alpha_blend;
     item.material.alpha_cut_off = static_cast<double>(material.alpha_cutoff);
     item.material.back_face_culling = !material.double_sided;
+    const EngineSettings::Babylon& settings = object.settings.babylon;
+    item.rendering_group_id = settings.rendering_group_id;
+    item.alpha_index = settings.alpha_index;
+    item.material.need_depth_pre_pass = settings.need_depth_pre_pass;
+    item.material.separate_culling_pass = settings.separate_culling_pass;
+    item.material.force_depth_write = settings.force_depth_write;
+    item.material.disable_depth_write = settings.disable_depth_write;
     return item;
   });
+  BabylonScene scene{.camera_global_position = camera.eye};
   for (std::size_t i = 0; i < items.size(); ++i) {
     items[i].mesh_unique_id = placed_objects.objects[i].object;
     items[i].mesh_material_unique_id = placed_objects.scene.mesh_of(placed_objects.objects[i].object).material;
+    scene.rendering_groups.resize(
+        std::max<std::size_t>(scene.rendering_groups.size(), items[i].rendering_group_id + 1));
   }
-  return babylon_draw_order(items, {.camera_global_position = camera.eye});
+  return babylon_draw_order(items, scene);
 }
 
 std::vector<ObjectDraw> three_draws(const PlacedObjects& placed_objects, const SceneCamera& camera) {
   auto items = items_of(placed_objects, [](const SceneObject& object, const SceneMaterial& of, const DoubleBox& own) {
     const Material& material = of.material;
-    ThreeItem item{.matrix_world = object.world, .bounding_sphere_centre = own.centre()};
+    const EngineSettings::Three& settings = object.settings.three;
+    ThreeItem item{.group_order = settings.group_order,
+                   .render_order = settings.render_order,
+                   .matrix_world = object.world,
+                   .bounding_sphere_centre = own.centre()};
+    item.material.depth_test = settings.depth_test;
+    item.material.depth_write = settings.depth_write;
+    item.material.force_single_pass = settings.force_single_pass;
     item.material.transmission = of.transmissive ? 1 : 0;
     item.material.transparent = material.alpha_mode == AlphaMode::blend;
     item.material.side = material.double_sided ? ThreeSide::double_side : ThreeSide::front;
@@ -141,14 +159,21 @@ std::vector<ObjectDraw> three_draws(const PlacedObjects& placed_objects, const S
 std::vector<ObjectDraw> panda3d_draws(const PlacedObjects& placed_objects, const SceneCamera& camera) {
   auto items = items_of(placed_objects, [](const SceneObject& object, const SceneMaterial& of, const DoubleBox& own) {
     const Material& material = of.material;
-    return Panda3DItem{.transparency = material.alpha_mode == AlphaMode::blend,
+    const EngineSettings::Panda3D& settings = object.settings.panda3d;
+    return Panda3DItem{.bin = settings.bin,
+                       .draw_order = settings.draw_order,
+                       .transparency = material.alpha_mode == AlphaMode::blend,
                        .bounds_centre = world_box(object, own).centre(),
+                       .depth_test = settings.depth_test,
+                       .depth_write = settings.depth_write,
                        .two_sided = material.double_sided};
   });
   for (std::size_t i = 0; i < items.size(); ++i) {
     items[i].state = placed_objects.scene.mesh_of(placed_objects.objects[i].object).material;
   }
-  return panda3d_draw_order(items, {camera.eye, forward_of(camera)}).value();  // no bin but the default ones
+  std::vector<Panda3DBin> bins = panda3d_default_bins();
+  bins.insert(bins.end(), placed_objects.scene.panda3d_bins.begin(), placed_objects.scene.panda3d_bins.end());
+  return panda3d_draw_order(items, {camera.eye, forward_of(camera)}, bins).value();  // validate() has seen the bins
 }
 
 }  // namespace

@@ -20,12 +20,12 @@ std::vector<DrawOrderRule> all_draw_order_rules();
 std::string_view draw_order_rule_name(DrawOrderRule rule);
 std::optional<DrawOrderRule> draw_order_rule_from_name(std::string_view name);
 
-// The draws of a frame by an engine's rule, with its defaults: every object in group, priority and render order 0, in
-// the order of the scene. What a material is to an engine:
+// The draws of a frame by an engine's rule, with the objects' settings (SceneObject::settings), in the order of the
+// scene where they tie. What a material is to an engine:
 //
 // - Galacean: isTransparent where it blends, alphaCutoff where it masks, renderFace by its sides;
 // - Babylon.js: transparencyMode by the alpha mode, alphaCutOff, backFaceCulling by its sides;
-// - Three.js: transparent where it blends (with depth written, as its materials do unless told not to), alphaTest where
+// - Three.js: transparent where it blends (with depth written unless its settings say not to), alphaTest where
 //   it masks, side by its sides, transmission;
 // - Panda3D: transparency on where it blends, two-sided by its sides.
 //

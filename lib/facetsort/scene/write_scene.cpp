@@ -17,10 +17,11 @@
 #include "facetsort/base/new_file.h"
 #include "facetsort/scene/gltf_file.h"
 #include "facetsort/scene/gltf_picture.h"
+#include "facetsort/scene/gltf_settings.h"
 
 namespace facetsort {
 
-using scene_internal::encode_picture, scene_internal::SceneError;
+using scene_internal::encode_picture, scene_internal::extras_of, scene_internal::SceneError;
 
 namespace {
 
@@ -252,6 +253,7 @@ void Writer::add_object(std::uint32_t object) {
   if (world != glm::dmat4(1)) {
     for (int i = 0; i < 16; ++i) node.matrix.push_back(world[i / 4][i % 4]);
   }
+  node.extras = extras_of(scene_.objects[object].settings);
   model_.nodes.push_back(std::move(node));
 }
 
@@ -287,6 +289,7 @@ tinygltf::Model Writer::model() {
   for (const SceneCamera& camera : scene_.cameras) add_camera(camera);
   tinygltf::Scene& nodes = model_.scenes.emplace_back();
   for (std::size_t i = 0; i < model_.nodes.size(); ++i) nodes.nodes.push_back(static_cast<int>(i));
+  nodes.extras = extras_of(scene_.panda3d_bins);
   model_.defaultScene = 0;
   return std::move(model_);
 }
