@@ -1,6 +1,9 @@
 // facetsort plan: what a mesh or scene needs for a right picture, and what it can do without.
 #include "facetsort/plan/plan.h"
 
+#include <algorithm>
+#include <cmath>
+#include <glm/glm.hpp>
 #include <memory>
 #include <optional>
 #include <string>
@@ -8,6 +11,7 @@
 #include <vector>
 
 #include "arguments.h"
+#include "facetsort/plan/planned_renderer.h"
 #include "facetsort/report/number_text.h"
 #include "input_mesh.h"
 #include "output.h"
@@ -16,7 +20,7 @@
 namespace facetsort {
 namespace {
 
-constexpr int most_views = 1000, most_frames = 1'000'000'000;
+constexpr int most_views = 1000, most_frames = 1'000'000'000, most_orbit_frames = 3600;
 
 struct PlanVerbOptions {
   std::vector<std::string> meshes;
@@ -25,13 +29,31 @@ struct PlanVerbOptions {
   int views = PlanOptions{}.views;
   float radii = PlanOptions{}.radii;
   PictureSize size{PlanOptions{}.width, PlanOptions{}.height};
+  double orbit_degrees = 0;  // a frame; 0: no orbit
 };
 
 struct PlannedInput {
   std::string path;
   bool is_scene = false;
-  Plan plan;
+  Plan plan{};
+  std::optional<PlannedStatistics> orbit{};
 };
+
+// Of a camera that turns once around the mesh, or as far as it comes in most_orbit_frames.
+PlannedStatistics orbit(PlannedRenderer& renderer, const InputMesh& input, const PlanVerbOptions& options) {
+  const int frames = static_cast<int>(std::min(std::ceil(360 / options.orbit_degrees), double{most_orbit_frames}));
+  const glm::vec3 centre = input.bounds.centre();
+  const float distance = options.radii * static_cast<float>(input.radius);
+  for (int frame = 0; frame < frames; ++frame) {
+    const double angle = glm::radians(options.orbit_degrees * frame);
+    const glm::vec3 direction = glm::normalize(glm::vec3(std::cos(angle), 0.3, std::sin(angle)));
+    View view = default_view(input.bounds, centre + distance * direction);
+    view.width = options.size.width;
+    view.height = options.size.height;
+    renderer.order(view);
+  }
+  return renderer.statistics();
+}
 
 PlannedInput plan_file(const std::string& path, const PlanVerbOptions& options) {
   const PlanOptions plan_options{.error_budget = options.error_budget,
@@ -41,13 +63,17 @@ PlannedInput plan_file(const std::string& path, const PlanVerbOptions& options) 
                                  .width = options.size.width,
                                  .height = options.size.height};
   const InputMesh input = read_input_scene(path);
-  PlannedInput planned{path, input.scene.has_value(), {}};
+  PlannedInput planned{.path = path, .is_scene = input.scene.has_value()};
+  std::optional<PlannedRenderer> renderer;
+  if (options.orbit_degrees > 0) renderer.emplace(input.mesh.view(), plan_options, input.presorted_input());
   if (input.scene) {
     planned.plan = require(plan_scene(*input.scene, plan_options));
   } else {
-    planned.plan.whole = plan_mesh(input.mesh.view(), plan_options, input.presorted_input());
+    planned.plan.whole =
+        renderer ? renderer->plan() : plan_mesh(input.mesh.view(), plan_options, input.presorted_input());
     planned.plan.plan_ms = planned.plan.whole.plan_ms;
   }
+  if (renderer) planned.orbit = orbit(*renderer, input, options);
   return planned;
 }
 
@@ -85,6 +111,9 @@ Json mesh_json(const MeshPlan& plan) {
 
 Json input_json(const PlannedInput& input) {
   Json json{{"mesh", input.path}, {"plan", mesh_json(input.plan.whole)}, {"plan_ms", input.plan.plan_ms}};
+  if (input.orbit) {
+    json["orbit"] = {{"frames", input.orbit->frames}, {"kept", input.orbit->kept}, {"unsorted", input.orbit->unsorted}};
+  }
   if (!input.is_scene) return json;
   json["blended_objects"] = input.plan.blended_objects;
   json["most_overlapping_objects"] = input.plan.most_overlapping;
@@ -120,6 +149,11 @@ void print_input(const PlannedInput& input) {
       facts.emplace_back("  " + printable(object.name), needs_text(object));
     }
   }
+  if (input.orbit) {
+    facts.emplace_back("frames", count_text(input.orbit->frames) + " of an orbit: the last order held in " +
+                                     count_text(input.orbit->kept) + ", nothing had to be sorted in " +
+                                     count_text(input.orbit->unsorted));
+  }
   facts.emplace_back("planned in", milliseconds_text(input.plan.plan_ms) + " ms");
   print_facts(facts);
   print_text("\n");
@@ -135,6 +169,7 @@ ExitStatus run_plan(const PlanVerbOptions& options, const CommonOptions& common)
                 {"frames", options.frames},
                 {"views", options.views},
                 {"size", {options.size.width, options.size.height}},
+                {"orbit_degrees", options.orbit_degrees > 0 ? Json(options.orbit_degrees) : Json(nullptr)},
                 {"meshes", list}});
     return ExitStatus::done;
   }
@@ -162,6 +197,11 @@ Verb add_plan(CLI::App& program, const CommonOptions& common) {
   add_count_option(*command, "--views", options->views, most_views, "Views in which strategies are timed and measured");
   add_size_option(*command, options->size, "Pixels of each");
   add_radii_option(*command, options->radii);
+  command
+      ->add_option("--orbit", options->orbit_degrees,
+                   "Also turn a camera around by so many degrees a frame; tells in how many frames auto kept its order")
+      ->check(CLI::Range(1e-6, 180.0))
+      ->type_name("DEGREES");
   command->footer("Example: facetsort plan meshes/hand_2k.ply --budget 0.001 --size 512");
   return {command, [options, &common] { return run_plan(*options, common); }};
 }

@@ -66,6 +66,28 @@ TEST(Plan, TakesScenes) {
   EXPECT_NE(scene["objects"][1].at("strategy"), "separate_culling_pass");
 }
 
+TEST(Plan, SaysHowOftenAnOrbitKeepsAnOrder) {
+  const TemporaryFolder folder;
+  const std::string shells = write_mesh(folder, "shells.ply", shapes::nested_shells(2, 0.5f, 1));
+  const std::string box = write_mesh(folder, "box.ply", shapes::box());
+  std::size_t kept_before = 1000;
+  for (const char* degrees : {"0.25", "20"}) {
+    const Finished finished = run_program({"plan", shells, box, "--orbit", degrees, "--json", "--size", "32"});
+    ASSERT_EQ(finished.status, 0) << finished.error;
+    const Json json = Json::parse(finished.output);
+    EXPECT_EQ(json.at("orbit_degrees"), std::stod(degrees));
+    const Json turned = json.at("meshes").at(0).at("orbit"), convex = json.at("meshes").at(1).at("orbit");
+    const std::size_t frames = degrees == std::string("20") ? 18 : 1440;
+    EXPECT_EQ(turned.at("frames"), frames);
+    EXPECT_LT(turned.at("kept"), frames);  // the first is never kept
+    EXPECT_EQ(convex.at("kept").get<std::size_t>() + convex.at("unsorted").get<std::size_t>(), frames);
+    const std::size_t kept = turned.at("kept").get<std::size_t>() * 1000 / frames;
+    EXPECT_LT(kept, kept_before);
+    kept_before = kept;
+  }
+  EXPECT_NE(run_program({"plan", box, "--orbit", "90"}).output.find("4 of an orbit"), std::string::npos);
+}
+
 TEST(Plan, RefusesWithOneLine) {
   const TemporaryFolder folder;
   const std::string box = write_mesh(folder, "box.ply", shapes::box());
@@ -75,6 +97,8 @@ TEST(Plan, RefusesWithOneLine) {
                                                     {"plan", box, "--budget", "2"},
                                                     {"plan", box, "--budget", "x"},
                                                     {"plan", box, "--frames", "0"},
+                                                    {"plan", box, "--orbit", "0"},
+                                                    {"plan", box, "--orbit", "x"},
                                                     {"plan", "absent"},
                                                     {"plan", box, "--size", "0"},
                                                     {"plan", broken}};
