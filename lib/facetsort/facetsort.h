@@ -39,6 +39,7 @@
 #include "facetsort/scene/babylon_order.h"
 #include "facetsort/scene/three_order.h"
 #include "facetsort/scene/panda3d_order.h"
+#include "facetsort/scene/engine_settings.h"
 #include "facetsort/scene/scene.h"
 #include "facetsort/scene/read_scene.h"
 #include "facetsort/scene/merge.h"
