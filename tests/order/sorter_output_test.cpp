@@ -231,6 +231,30 @@ TEST_P(CullingMethod, LeavesOutWhatIsSeenFromBehindAndNothingElse) {
   }
 }
 
+// Large meshes' indices are written past the caches, where they lie on whole vectors.
+TEST(SorterOutput, LargeMeshesComeOutTheSameAtEveryAddress) {
+  const Mesh mesh = shapes::torus_knot(300000);
+  const std::size_t facets = mesh.triangles.size();
+  const SortView view = inside_and_outside_views(mesh)[0];
+  for (const Precision precision : {Precision::quantised, Precision::whole}) {
+    Sorter sorter(mesh.view(), {.precision = precision});
+    const Ids order = copy(sorter.sort(view));
+    for (const std::size_t offset : {0u, 1u, 2u, 3u}) {
+      Ids memory(3 * facets + 8, 0xdeadbeefu);
+      const std::span<std::uint32_t> indices = std::span(memory).subspan(4 + offset, 3 * facets);
+      ASSERT_EQ(sorter.sort_indices(view, mesh.triangles, indices), facets);
+      std::size_t different = 0;
+      for (std::size_t k = 0; k < facets; ++k) {
+        for (int i = 0; i < 3; ++i) different += indices[3 * k + i] != mesh.triangles[order[k]][i];
+      }
+      EXPECT_EQ(different, 0u) << offset;
+      EXPECT_TRUE(std::all_of(memory.begin(), memory.begin() + 4 + offset, [](auto i) { return i == 0xdeadbeefu; }));
+      EXPECT_TRUE(
+          std::all_of(memory.begin() + 4 + offset + 3 * facets, memory.end(), [](auto i) { return i == 0xdeadbeefu; }));
+    }
+  }
+}
+
 // Blocks of neighbours are told by the cone of their normals; blocks of facets from anywhere can't be.
 TEST(SorterOutput, BlocksThatAreToldAtOnceChangeNothing) {
   std::mt19937 random(11);

@@ -87,7 +87,7 @@ struct Output {
   std::uint32_t* indices_32 = nullptr;
   std::uint16_t* indices_16 = nullptr;
   std::uint32_t* ids = nullptr;
-  bool prefetches = false;  // corners, where they are too many for the cache
+  bool is_from_memory = false;  // corners and indices are too many for the cache
 
   Output operator+(std::size_t facets) const;
 };
@@ -137,7 +137,7 @@ constexpr std::size_t most_steps = 65536;
 std::size_t count_steps(const KeySource& source, const BucketMap& map, std::size_t begin, std::size_t end,
                         std::uint16_t* steps, std::uint32_t* ids, std::uint32_t* counts);
 // Counts of several parts of a mesh, one part after the other, become the places in the order at which the facets of a
-// part and step begin. Gives the largest number of facets on a step. Precondition: `steps` is a multiple of four.
+// part and step begin. Gives the largest number of facets on a step. Precondition: `steps` is a multiple of eight.
 std::uint32_t sum_steps(std::uint32_t* counts, std::size_t parts, std::size_t steps);
 // The steps of a part's facets, and their ids.
 struct StepIds {

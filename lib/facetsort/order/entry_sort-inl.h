@@ -150,11 +150,8 @@ bool SortEntries(const Entries& from, std::size_t count, const KeyRange& range, 
   for (std::size_t first = 0; first < count; first += tile_facets) {
     const std::size_t size = std::min(tile_facets, count - first);
     bins_of_tile(whole_vectors(from.keys + first, size, key_copy), size);
-    if (output.prefetches) {
-      // Now, while ids still ascend: in this order memory gives them up fastest.
-      const std::uint32_t* ids = from.ids + first;
-      unrolled(size, [&](std::size_t i) HWY_ATTR { hwy::Prefetch(output.corners + 3 * std::size_t{ids[i]}); });
-    }
+    // Now, while ids still ascend: in this order memory gives them up fastest.
+    if (output.is_from_memory) prefetch_triangles(output.corners, from.ids + first, size);
     unrolled(size, [&](std::size_t i) HWY_ATTR { ++bins[tile.buckets[i]]; });
   }
   if (exclusive_sums(bins, bin_total) >= too_many_in_bin) return false;

@@ -52,12 +52,12 @@ KeyRange typical_range(const KeySource& source, std::size_t begin, std::size_t e
 // Whole vectors of counts. Two facets a step: more steps are not seen (tests/order/precision_test.cpp), a quarter of
 // them is.
 std::size_t step_count(std::size_t facets) {
-  return std::clamp((facets / 2 + 3) / 4 * 4, least_steps, most_steps);
+  return std::clamp((facets / 2 + 7) / 8 * 8, least_steps, most_steps);
 }
 
 // Room for counts of steps: a facet each, and for what rounds two parts' steps up.
 std::size_t counted(std::size_t facets) {
-  return facets + 8;
+  return facets + 16;
 }
 
 // Wider than the sample by a margin: what lies outside is on the first and the last step.
@@ -272,7 +272,9 @@ std::size_t FacetSort::sort_in_steps(const KeySource& source, std::size_t begin,
 
   // Write.
   for_threads(parts, [&](std::size_t part) {
-    const std::size_t first = total * part / parts, last = total * (part + 1) / parts;
+    // Whole vectors of four triangles.
+    const auto begin_of = [&](std::size_t p) { return p == parts ? total : total * p / parts / 4 * 4; };
+    const std::size_t first = begin_of(part), last = begin_of(part + 1);
     write_order(order + first, last - first, output + first);
   });
   return total;

@@ -115,6 +115,28 @@ std::size_t CountSteps(const KeySource& source, const BucketMap& map, std::size_
   return total;
 }
 
+#if HWY_TARGET != HWY_SCALAR
+// Half a vector of 8, or all of one of 4, is a block, within which lanes shift.
+using CountTag = hn::CappedTag<std::uint32_t, 8>;
+using CountVec = hn::Vec<CountTag>;
+
+HWY_INLINE CountVec inclusive_sums(CountVec counts) {
+  const CountTag d;
+  CountVec sums = hn::Add(counts, hn::ShiftLeftLanes<1>(d, counts));
+  sums = hn::Add(sums, hn::ShiftLeftLanes<2>(d, sums));
+  if constexpr (hn::MaxLanes(d) == 8) {
+    sums = hn::Add(sums, hn::ConcatLowerLower(d, hn::Broadcast<3>(sums), hn::Zero(d)));
+  }
+  return sums;
+}
+
+HWY_INLINE CountVec last_lane(CountVec sums) {
+  const CountVec last = hn::Broadcast<3>(sums);
+  if constexpr (hn::MaxLanes(CountTag()) == 8) return hn::ConcatUpperUpper(CountTag(), last, last);
+  return last;
+}
+#endif
+
 std::uint32_t SumSteps(std::uint32_t* counts, std::size_t parts, std::size_t steps) {
 #if HWY_TARGET == HWY_SCALAR
   std::uint32_t sum = 0, most = 0;
@@ -125,22 +147,21 @@ std::uint32_t SumSteps(std::uint32_t* counts, std::size_t parts, std::size_t ste
   }
   return most;
 #else
-  const hn::CappedTag<std::uint32_t, 4> d;
-  auto before = hn::Zero(d), most = hn::Zero(d);
-  for (std::size_t step = 0; step < steps; step += 4) {
-    auto total = hn::LoadU(d, counts + step);
+  const CountTag d;
+  CountVec before = hn::Zero(d), most = hn::Zero(d);
+  for (std::size_t step = 0; step < steps; step += hn::Lanes(d)) {
+    CountVec total = hn::LoadU(d, counts + step);
     for (std::size_t part = 1; part < parts; ++part) total = hn::Add(total, hn::LoadU(d, counts + part * steps + step));
     most = hn::Max(most, total);
-    auto sums = hn::Add(total, hn::ShiftLeftLanes<1>(d, total));
-    sums = hn::Add(sums, hn::ShiftLeftLanes<2>(d, sums));
-    auto place = hn::Add(hn::Sub(sums, total), before);
+    const CountVec sums = inclusive_sums(total);
+    CountVec place = hn::Add(hn::Sub(sums, total), before);
     for (std::size_t part = 0; part < parts; ++part) {
       std::uint32_t* of_part = counts + part * steps + step;
-      const auto count = hn::LoadU(d, of_part);
+      const CountVec count = hn::LoadU(d, of_part);
       hn::StoreU(place, d, of_part);
       place = hn::Add(place, count);
     }
-    before = hn::Add(before, hn::Broadcast<3>(sums));
+    before = hn::Add(before, last_lane(sums));
   }
   return hn::GetLane(hn::MaxOfLanes(d, most));
 #endif
@@ -162,7 +183,7 @@ HWY_INLINE void place_ids(const StepIds& from, const IdAt& id_at, std::uint32_t*
   };
   if (from.prefetches) {
     // Places come from memory in time if they are asked for so many ahead.
-    constexpr std::size_t ahead = 32;
+    constexpr std::size_t ahead = 128;
     for (; i + ahead + 4 <= from.count; i += 4) {
       const std::uint64_t four = four_steps(steps + i + ahead);
       for (int k = 0; k < 4; ++k) hwy::Prefetch(order + cursors[step_of_four(four, k)]);
@@ -185,51 +206,80 @@ void PlaceIds(const StepIds& from, std::uint32_t* cursors, std::uint32_t* order)
   }
 }
 
-HWY_INLINE void write_triangle(const std::uint32_t* from, std::uint32_t* to) {
-  for (int corner = 0; corner < 3; ++corner) to[corner] = from[corner];
-}
+#if HWY_TARGET != HWY_SCALAR
+using IndexTag = hn::CappedTag<std::uint32_t, 4>;
+
+struct StoreVector {
+  template <typename V>
+  HWY_INLINE void operator()(V vector, std::uint32_t* to) const {
+    hn::StoreU(vector, IndexTag(), to);
+  }
+};
+// Past the caches.
+struct StreamVector {
+  template <typename V>
+  HWY_INLINE void operator()(V vector, std::uint32_t* to) const {
+    hn::Stream(vector, IndexTag(), to);
+  }
+};
 
 // Four triangles are three vectors: fewer, wider stores than corner by corner.
-HWY_INLINE void write_four_triangles(const std::uint32_t* ids, const std::uint32_t* corners, std::uint32_t* to) {
+template <typename Store>
+HWY_INLINE void write_four_triangles(const std::uint32_t* ids, const std::uint32_t* corners, std::uint32_t* to,
+                                     const Store& store) {
+  const IndexTag d;
+  const hn::Half<IndexTag> pair;
   const std::uint32_t* from[4];
   for (int k = 0; k < 4; ++k) from[k] = corners + 3 * std::size_t{ids[k]};
-#if HWY_TARGET == HWY_SCALAR
-  for (int k = 0; k < 4; ++k) write_triangle(from[k], to + 3 * k);
-#else
-  const hn::CappedTag<std::uint32_t, 4> d;
-  const hn::Half<decltype(d)> pair;
   const auto pair_of = [&](std::uint32_t first, std::uint32_t second)
                            HWY_ATTR { return hn::InterleaveLower(pair, hn::Set(pair, first), hn::Set(pair, second)); };
-  hn::StoreU(hn::Combine(d, pair_of(from[0][2], from[1][0]), hn::LoadU(pair, from[0])), d, to);
-  hn::StoreU(hn::Combine(d, hn::LoadU(pair, from[2]), hn::LoadU(pair, from[1] + 1)), d, to + 4);
-  hn::StoreU(hn::Combine(d, hn::LoadU(pair, from[3] + 1), pair_of(from[2][2], from[3][0])), d, to + 8);
-#endif
+  store(hn::Combine(d, pair_of(from[0][2], from[1][0]), hn::LoadU(pair, from[0])), to);
+  store(hn::Combine(d, hn::LoadU(pair, from[2]), hn::LoadU(pair, from[1] + 1)), to + 4);
+  store(hn::Combine(d, hn::LoadU(pair, from[3] + 1), pair_of(from[2][2], from[3][0])), to + 8);
 }
 
-HWY_INLINE void write_triangles(const std::uint32_t* ids, std::size_t count, const std::uint32_t* corners,
-                                std::uint32_t* to) {
+// Writes all but the last few, from memory; their number. Triangles come in time if they are asked for so many ahead, a
+// few at a time: a core waits for no more than some twenty lines at once.
+template <typename Store>
+HWY_INLINE std::size_t write_from_memory(const std::uint32_t* ids, std::size_t count, const Output& output,
+                                         const Store& store) {
+  constexpr std::size_t ahead = 256;
   std::size_t k = 0;
-  for (; k + 4 <= count; k += 4) write_four_triangles(ids + k, corners, to + 3 * k);
-  for (; k < count; ++k) write_triangle(corners + 3 * std::size_t{ids[k]}, to + 3 * k);
+  for (; k + ahead + 4 <= count; k += 4) {
+    prefetch_triangles(output.corners, ids + k + ahead, 4);
+    write_four_triangles(ids + k, output.corners, output.indices_32 + 3 * k, store);
+  }
+  return k;
+}
+#endif
+
+HWY_INLINE void write_indices(const std::uint32_t* ids, std::size_t count, const Output& output) {
+  const std::uint32_t* corners = output.corners;
+  std::uint32_t* to = output.indices_32;
+  std::size_t k = 0;
+#if HWY_TARGET != HWY_SCALAR
+  if (output.is_from_memory) {
+    if (reinterpret_cast<std::uintptr_t>(to) % sizeof(hn::Vec<IndexTag>) == 0) {
+      k = write_from_memory(ids, count, output, StreamVector());
+      hwy::FlushStream();
+    } else {
+      k = write_from_memory(ids, count, output, StoreVector());
+    }
+  }
+  for (; k + 4 <= count; k += 4) write_four_triangles(ids + k, corners, to + 3 * k, StoreVector());
+#endif
+  for (; k < count; ++k) {
+    for (int corner = 0; corner < 3; ++corner) to[3 * k + corner] = corners[3 * std::size_t{ids[k]} + corner];
+  }
 }
 
 void WriteOrder(const std::uint32_t* ids, std::size_t count, const Output& output) {
-  // Triangles come from memory in time if they are asked for so many ahead.
-  constexpr std::size_t ahead = 192;
-  const std::uint32_t* corners = output.corners;
-  for (std::size_t first = 0; first < count; first += tile_facets) {
-    const std::size_t size = std::min(tile_facets, count - first);
-    const std::uint32_t* from = ids + first;
-    if (output.prefetches && first + size + ahead <= count) {
-      unrolled(size, [&](std::size_t i) HWY_ATTR { hwy::Prefetch(corners + 3 * std::size_t{from[ahead + i]}); });
-    }
-    if (output.indices_32 != nullptr) write_triangles(from, size, corners, output.indices_32 + 3 * first);
-    if (output.indices_16 != nullptr) {
-      std::uint16_t* to = output.indices_16 + 3 * first;
-      for (std::size_t i = 0; i < size; ++i) {
-        for (int corner = 0; corner < 3; ++corner) {
-          to[3 * i + corner] = static_cast<std::uint16_t>(corners[3 * std::size_t{from[i]} + corner]);
-        }
+  if (output.indices_32 != nullptr) write_indices(ids, count, output);
+  if (output.indices_16 != nullptr) {
+    for (std::size_t k = 0; k < count; ++k) {
+      for (int corner = 0; corner < 3; ++corner) {
+        output.indices_16[3 * k + corner] =
+            static_cast<std::uint16_t>(output.corners[3 * std::size_t{ids[k]} + corner]);
       }
     }
   }
