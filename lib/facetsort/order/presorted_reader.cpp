@@ -5,6 +5,9 @@
 // above them put the blocks in order; then triangles are copied, in the order in which they are drawn.
 #include "facetsort/order/presorted_reader.h"
 
+#include <hwy/cache_control.h>
+
+#include <algorithm>
 #include <atomic>
 #include <cassert>
 #include <cstring>
@@ -29,21 +32,28 @@ constexpr std::size_t blocks_per_task = 256;
 // Where float would round what an eye's way adds up to by more than margins allow for.
 constexpr double longest_way = 4;
 
+constexpr std::size_t line_bytes = 64;  // of the cache
+
 constexpr std::uint32_t no_draw_id = 0xffffffffu;
 
-// Where a row of triangles goes, and how many of the memory's there are from there on.
+// Where a row of triangles goes, how many of the memory's there are from there on, and triangles that will be asked for
+// soon.
 struct Run {
   const glm::uvec3* from;
   std::uint32_t* to;
   std::size_t readable, writable;
+  const glm::uvec3* soon;
 };
 
 // Writes from[order[k]] for each k below count. Where there is room, four words at a time: what is one word too many
-// the next triangle overwrites, and what is up to three triangles too many, the next block.
+// the next triangle overwrites, and what is up to three triangles too many, the next block. As many as are written are
+// fetched ahead, line by line: a core waits for no more than some twenty lines at once.
 void write_triangles(const Run& run, const std::uint8_t* order, std::size_t count) {
   static_assert(triangles_at_a_time == 4);
   if (run.readable > most_block_triangles + triangles_at_a_time && run.writable > count + triangles_at_a_time) {
-    for (std::size_t k = 0; k < count; k += triangles_at_a_time) {
+    const char* line = reinterpret_cast<const char*>(run.soon);
+    for (std::size_t k = 0; k < count; k += triangles_at_a_time, line += line_bytes) {
+      hwy::Prefetch(line);
       for (std::size_t i = k; i < k + triangles_at_a_time; ++i) {
         std::uint32_t words[4];
         std::memcpy(words, run.from + order[i], sizeof words);
@@ -162,15 +172,20 @@ void PresortedReader::State::order_top() {
   offsets.back() = offset;
 }
 
-// Calls write(block, order, count, offset, room) for blocks as they are drawn, a task for blocks in a row: `count`
-// triangles of its, from the `offset`-th drawn on; the task writes `room`.
+// Calls write(block, order, count, offset, room, soon) for blocks as they are drawn, a task for blocks in a row: `count`
+// triangles of its, from the `offset`-th drawn on; the task writes `room`; `soon` is a block that comes after the next.
 template <typename Write>
 void PresortedReader::State::for_blocks_drawn(const Write& write) const {
+  constexpr std::size_t ahead = 2;
   parallel_ranges(block_at.size(), blocks_per_task, [&](std::size_t begin, std::size_t end) {
     for (std::size_t k = begin; k < end; ++k) {
       const std::uint32_t b = block_at[k];
       const Block& block = blocks.blocks[b];
-      write(block, orders.data() + block.first_spot, kept[b], offsets[k], offsets[end] - offsets[k]);
+      const Block& soon = blocks.blocks[block_at[std::min(k + ahead, block_at.size() - 1)]];
+      for (std::size_t at = 0; at < most_block_triangles; at += line_bytes) {
+        hwy::Prefetch(orders.data() + soon.first_spot + at);
+      }
+      write(block, orders.data() + block.first_spot, kept[b], offsets[k], offsets[end] - offsets[k], soon);
     }
   });
 }
@@ -206,10 +221,12 @@ std::size_t PresortedReader::read_indices(const glm::vec4& eye, std::span<std::u
   if (!ids.empty()) state.find_facets();
   const std::span<const glm::uvec3> triangles = state.mesh.triangles;
   state.for_blocks_drawn(
-      [&](const Block& block, const std::uint8_t* order, std::size_t count, std::size_t offset, std::size_t room) {
+      [&](const Block& block, const std::uint8_t* order, std::size_t count, std::size_t offset, std::size_t room,
+          const Block& soon) {
         const std::size_t first = block.first_triangle;
-        write_triangles({triangles.data() + first, indices.data() + 3 * offset, triangles.size() - first, room}, order,
-                        count);
+        write_triangles({triangles.data() + first, indices.data() + 3 * offset, triangles.size() - first, room,
+                         triangles.data() + soon.first_triangle},
+                        order, count);
         if (ids.empty()) return;
         for (std::size_t k = 0; k < count; ++k) ids[offset + k] = state.facets[first + order[k]];
       });
