@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "benchmarks.h"
+#include "facetsort/report/machine.h"
 
 namespace {
 
@@ -32,6 +33,8 @@ class ErrorWatch : public benchmark::BenchmarkReporter {
 }  // namespace
 
 int main(int argc, char** argv) {
+  benchmark::AddCustomContext("command", facetsort::quoted_command_line(argc, argv));
+  benchmark::AddCustomContext("machine", facetsort::describe_machine());
   benchmark::Initialize(&argc, argv);
   if (benchmark::ReportUnrecognizedArguments(argc, argv)) return 2;
   facetsort::bench::register_sort_benchmarks();

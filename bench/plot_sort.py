@@ -45,13 +45,17 @@ def read(paths):
 
 
 def table(speeds, context):
-    meshes = sorted({mesh for of in speeds.values() for mesh in of},
-                    key=lambda mesh: (re.sub(r"\d", "", mesh), int(re.search(r"\d+", mesh)[0])))
-    lines = [f"Millions of facets a second, medians, {context['date'][:10]}; {context['num_cpus']} processors.", "",
-             "| | " + " | ".join(name for name, _ in CONTENDERS) + " |", "|---" * (len(CONTENDERS) + 1) + "|"]
+    fastest, floor = speeds["facetsort, 2 threads"], speeds["floor, 2 threads"]
+    meshes = sorted(fastest, key=lambda mesh: (re.sub(r"\d", "", mesh), int(re.search(r"\d+", mesh)[0])))
+    names = [name for name, _ in CONTENDERS]
+    lines = ["Millions of facets a second, medians; the second column is the floor over facetsort, both with 2 threads.",
+             "By `facetsort-bench` (the command is in bench/README.md) and `bench/peers/babylon.js`,",
+             f"{context['date'][:10]}; {context['machine']}.", "",
+             "| | ratio | " + " | ".join(names) + " |", "|---" * (len(names) + 2) + "|"]
     for mesh in meshes:
-        cells = [f"{speeds[name][mesh] / 1e6:.3g}" if mesh in speeds[name] else "" for name, _ in CONTENDERS]
-        lines.append(f"| {mesh} | " + " | ".join(cells) + " |")
+        ratio = f"{floor[mesh] / fastest[mesh]:.2f}" if mesh in floor else ""
+        cells = [f"{speeds[name][mesh] / 1e6:.3g}" if mesh in speeds[name] else "" for name in names]
+        lines.append(f"| {mesh} | {ratio} | " + " | ".join(cells) + " |")
     return "\n".join(lines) + "\n"
 
 

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "arguments.h"
+#include "facetsort/report/machine.h"
 #include "failure.h"
-#include "machine.h"
 #include "output.h"
 #include "verbs.h"
 

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "arguments.h"
-#include "machine.h"
+#include "facetsort/report/machine.h"
 #include "output.h"
 #include "progress.h"
 #include "stability_measure.h"

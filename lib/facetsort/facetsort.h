@@ -70,6 +70,7 @@
 #include "facetsort/plan/plan.h"
 #include "facetsort/plan/planned_renderer.h"
 
+#include "facetsort/report/machine.h"
 #include "facetsort/report/row.h"
 #include "facetsort/report/timing.h"
 #include "facetsort/report/image_file.h"

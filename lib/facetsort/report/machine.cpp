@@ -1,21 +1,30 @@
-#include "machine.h"
+#include "facetsort/report/machine.h"
 
 #include <tbb/task_arena.h>
 
 #include <ctime>
 #include <fstream>
 #include <string_view>
+#include <utility>
 
 namespace facetsort {
 namespace {
 
+// With its widest vector instructions of those that kernels are built for: names of processors tell little.
 std::string processor_name() {
   std::ifstream file("/proc/cpuinfo");
-  for (std::string line; std::getline(file, line);) {
+  std::string name, flags;
+  for (std::string line; (name.empty() || flags.empty()) && std::getline(file, line);) {
     const std::size_t colon = line.find(": ");
-    if (line.starts_with("model name") && colon != std::string::npos) return line.substr(colon + 2);
+    if (colon == std::string::npos) continue;
+    if (line.starts_with("model name")) name = line.substr(colon + 2);
+    if (line.starts_with("flags")) flags = line.substr(colon + 1) + ' ';
   }
-  return "processor unknown";
+  if (name.empty()) return "processor unknown";
+  for (const auto& [flag, instructions] : {std::pair{" avx512dq ", "AVX-512"}, std::pair{" avx2 ", "AVX2"}}) {
+    if (flags.find(flag) != std::string::npos) return name + " (" + instructions + ")";
+  }
+  return name;
 }
 
 std::string compiler_name() {
