@@ -231,6 +231,47 @@ TEST_P(CullingMethod, LeavesOutWhatIsSeenFromBehindAndNothingElse) {
   }
 }
 
+Mesh joined(const Mesh& a, const Mesh& b) {
+  Mesh mesh = a;
+  mesh.facet_colours.clear();
+  mesh.vertex_colours.clear();
+  const auto offset = static_cast<std::uint32_t>(a.positions.size());
+  mesh.positions.insert(mesh.positions.end(), b.positions.begin(), b.positions.end());
+  for (const glm::uvec3& triangle : b.triangles) mesh.triangles.push_back(triangle + offset);
+  return mesh;
+}
+
+TEST(SorterOutput, NewPositionsOfARangeAreAsThoseOfAll) {
+  const Mesh shell = joined(shapes::box(), shapes::nested_shells(1, 0.5f, 3));
+  const float radius = facet_bounds(shell.view()).radius();
+  Mesh knot = shapes::torus_knot(5000);
+  const float size = facet_bounds(knot.view()).radius();
+  for (glm::vec3& position : knot.positions) position *= 0.3f * radius / size;
+  // Not at the border of a block.
+  const FacetRange of_knot{static_cast<std::uint32_t>(shell.triangles.size()),
+                           static_cast<std::uint32_t>(knot.triangles.size())};
+  ASSERT_NE(of_knot.first % 64, 0u);
+  const Mesh before = joined(joined(shell, knot), shapes::box());
+  for (const Method method : depth_key_methods()) {
+    const SorterOptions options{.method = method, .cull_back_faces = true, .cull_by_clip_planes = true};
+    Sorter sorter(before.view(), options);
+    Mesh after = before;
+    for (const float way : {0.1f, -0.2f, 5.0f, 0.3f}) {  // within the shell, and far out of it
+      for (std::size_t v = 0; v < knot.positions.size(); ++v) {
+        after.positions[shell.positions.size() + v] = knot.positions[v] + glm::vec3(way * radius, way, 0);
+      }
+      sorter.set_positions(after.triangles, std::span<const glm::vec3>(after.positions), of_knot);
+      if (way == 0.3f) sorter.set_positions(after.triangles, std::span<const glm::vec3>(after.positions));
+      Sorter anew(after.view(), options);
+      for (SortView view : inside_and_outside_views(after)) {
+        const std::array plane{glm::vec4(1, 0.5f, 0, 0.4f * radius)};
+        view.clip_planes = plane;
+        EXPECT_EQ(copy(sorter.sort(view)), copy(anew.sort(view))) << method_name(method) << ' ' << way;
+      }
+    }
+  }
+}
+
 // Large meshes' indices are written past the caches, where they lie on whole vectors.
 TEST(SorterOutput, LargeMeshesComeOutTheSameAtEveryAddress) {
   const Mesh mesh = shapes::torus_knot(300000);

@@ -32,9 +32,9 @@ glm::dvec3 point_of(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& 
 
 template <FacetPoint kind>
 void compute_points(std::span<const glm::uvec3> triangles, const StridedPositions& positions, const FacetFrame& frame,
-                    PointArrays& points) {
-  parallel_ranges(triangles.size(), facets_per_task, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t facet = begin; facet < end; ++facet) {
+                    std::size_t begin, std::size_t end, PointArrays& points) {
+  parallel_ranges(end - begin, facets_per_task, [&](std::size_t first, std::size_t last) {
+    for (std::size_t facet = begin + first; facet < begin + last; ++facet) {
       const glm::uvec3& t = triangles[facet];
       const glm::dvec3 point =
           point_of<kind>(glm::dvec3(positions[t.x]), glm::dvec3(positions[t.y]), glm::dvec3(positions[t.z]));
@@ -72,17 +72,22 @@ void compute_facet_points(std::span<const glm::uvec3> triangles, const StridedPo
   points.x.resize(triangles.size());
   points.y.resize(triangles.size());
   points.z.resize(triangles.size());
+  compute_facet_points(triangles, positions, point, frame, 0, triangles.size(), points);
+}
+
+void compute_facet_points(std::span<const glm::uvec3> triangles, const StridedPositions& positions, FacetPoint point,
+                          const FacetFrame& frame, std::size_t begin, std::size_t end, PointArrays& points) {
   switch (point) {
     case FacetPoint::centroid:
-      return compute_points<FacetPoint::centroid>(triangles, positions, frame, points);
+      return compute_points<FacetPoint::centroid>(triangles, positions, frame, begin, end, points);
     case FacetPoint::bounds_centre:
-      return compute_points<FacetPoint::bounds_centre>(triangles, positions, frame, points);
+      return compute_points<FacetPoint::bounds_centre>(triangles, positions, frame, begin, end, points);
     case FacetPoint::corner_0:
-      return compute_points<FacetPoint::corner_0>(triangles, positions, frame, points);
+      return compute_points<FacetPoint::corner_0>(triangles, positions, frame, begin, end, points);
     case FacetPoint::corner_1:
-      return compute_points<FacetPoint::corner_1>(triangles, positions, frame, points);
+      return compute_points<FacetPoint::corner_1>(triangles, positions, frame, begin, end, points);
     case FacetPoint::corner_2:
-      return compute_points<FacetPoint::corner_2>(triangles, positions, frame, points);
+      return compute_points<FacetPoint::corner_2>(triangles, positions, frame, begin, end, points);
   }
 }
 

@@ -72,6 +72,9 @@ enum class FacetPoint {
 // One point a facet into `points`, whose memory is used again.
 void compute_facet_points(std::span<const glm::uvec3> triangles, const StridedPositions& positions, FacetPoint point,
                           const FacetFrame& frame, PointArrays& points);
+// Those of the facets [begin, end) alone. Precondition: `points` has room for all.
+void compute_facet_points(std::span<const glm::uvec3> triangles, const StridedPositions& positions, FacetPoint point,
+                          const FacetFrame& frame, std::size_t begin, std::size_t end, PointArrays& points);
 PointArrays facet_centroids(const MeshView& mesh, const FacetFrame& frame);
 PointArrays facet_bounds_centres(const MeshView& mesh, const FacetFrame& frame);
 // Corner i (0, 1 or 2) of each facet.

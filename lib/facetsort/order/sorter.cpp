@@ -72,10 +72,12 @@ struct Normals {
   std::vector<std::int16_t> x, y, z;
 };
 
-void compute_normals(std::span<const glm::uvec3> triangles, const StridedPositions& positions, Normals& normals) {
+// Of the facets [first, last).
+void compute_normals(std::span<const glm::uvec3> triangles, const StridedPositions& positions, std::size_t first,
+                     std::size_t last, Normals& normals) {
   for (auto* component : {&normals.x, &normals.y, &normals.z}) component->resize(triangles.size());
-  parallel_ranges(triangles.size(), facets_per_task, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t facet = begin; facet < end; ++facet) {
+  parallel_ranges(last - first, facets_per_task, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t facet = first + begin; facet < first + end; ++facet) {
       const glm::uvec3& t = triangles[facet];
       const glm::dvec3 a(positions[t.x]);
       const glm::dvec3 normal = glm::cross(glm::dvec3(positions[t.y]) - a, glm::dvec3(positions[t.z]) - a);
@@ -88,68 +90,84 @@ void compute_normals(std::span<const glm::uvec3> triangles, const StridedPositio
   });
 }
 
-// Normals as they are tested, and so as they were rounded.
-void compute_cones(const Normals& normals, const PointArrays& points, std::vector<NormalCone>& cones) {
+std::size_t blocks_of(std::size_t facets) {
+  return (facets + block_facets - 1) / block_facets;
+}
+
+// Calls body(block) for the blocks that facets [first, last) are in.
+template <typename Body>
+void for_blocks(std::size_t first, std::size_t last, const Body& body) {
+  const std::size_t first_block = first / block_facets;
+  parallel_ranges(blocks_of(last) - first_block, facets_per_task / block_facets,
+                  [&](std::size_t begin, std::size_t end) {
+                    for (std::size_t block = begin; block < end; ++block) body(first_block + block);
+                  });
+}
+
+// Of normals as they are tested, and so as they were rounded; of the blocks that facets [begin, end) are in.
+void compute_cones(const Normals& normals, const PointArrays& points, std::size_t begin, std::size_t end,
+                   std::vector<NormalCone>& cones) {
   constexpr double outwards = 0x1p-20;
   const std::size_t facets = normals.x.size();
-  cones.resize((facets + block_facets - 1) / block_facets);
-  parallel_ranges(cones.size(), facets_per_task / block_facets, [&](std::size_t begin, std::size_t end) {
+  cones.resize(blocks_of(facets));
+  for_blocks(begin, end, [&](std::size_t block) {
     std::array<glm::dvec3, block_facets> directions;
-    for (std::size_t block = begin; block < end; ++block) {
-      const std::size_t first = block * block_facets, count = std::min(block_facets, facets - first);
-      glm::dvec3 lowest(std::numeric_limits<double>::infinity()), highest = -lowest, sum(0);
-      for (std::size_t i = 0; i < count; ++i) {
-        const std::size_t facet = first + i;
-        const glm::dvec3 point(points.x[facet], points.y[facet], points.z[facet]);
-        const glm::dvec3 normal(normals.x[facet], normals.y[facet], normals.z[facet]);
-        lowest = glm::min(lowest, point);
-        highest = glm::max(highest, point);
-        directions[i] = normal / std::max(glm::length(normal), 1.0);
-        sum += directions[i];
-      }
-      const glm::dvec3 axis = sum / std::max(glm::length(sum), 1e-6);
-      double cosine = 1;
-      for (std::size_t i = 0; i < count; ++i) cosine = std::min(cosine, glm::dot(directions[i], axis));
-      cosine -= outwards;
-      const bool is_cone = cosine > 0;
-      const glm::dvec3 centre = (lowest + highest) / 2.0;
-      cones[block] = {.centre = glm::vec3(centre),
-                      .radius = static_cast<float>(glm::length(highest - centre) + outwards),
-                      .axis = glm::vec3(axis),
-                      .cosine = is_cone ? static_cast<float>(cosine) : 0,
-                      .sine = is_cone ? static_cast<float>(std::sqrt(1 - cosine * cosine) + outwards) : 1};
+    const std::size_t first = block * block_facets, count = std::min(block_facets, facets - first);
+    glm::dvec3 lowest(std::numeric_limits<double>::infinity()), highest = -lowest, sum(0);
+    for (std::size_t i = 0; i < count; ++i) {
+      const std::size_t facet = first + i;
+      const glm::dvec3 point(points.x[facet], points.y[facet], points.z[facet]);
+      const glm::dvec3 normal(normals.x[facet], normals.y[facet], normals.z[facet]);
+      lowest = glm::min(lowest, point);
+      highest = glm::max(highest, point);
+      directions[i] = normal / std::max(glm::length(normal), 1.0);
+      sum += directions[i];
     }
+    const glm::dvec3 axis = sum / std::max(glm::length(sum), 1e-6);
+    double cosine = 1;
+    for (std::size_t i = 0; i < count; ++i) cosine = std::min(cosine, glm::dot(directions[i], axis));
+    cosine -= outwards;
+    const bool is_cone = cosine > 0;
+    const glm::dvec3 centre = (lowest + highest) / 2.0;
+    cones[block] = {.centre = glm::vec3(centre),
+                    .radius = static_cast<float>(glm::length(highest - centre) + outwards),
+                    .axis = glm::vec3(axis),
+                    .cosine = is_cone ? static_cast<float>(cosine) : 0,
+                    .sine = is_cone ? static_cast<float>(std::sqrt(1 - cosine * cosine) + outwards) : 1};
   });
 }
 
 void compute_blocks(std::span<const glm::uvec3> triangles, const StridedPositions& positions, const FacetFrame& frame,
-                    const PointArrays& points, std::vector<FacetBlock>& blocks) {
+                    const PointArrays& points, std::size_t begin, std::size_t end, std::vector<FacetBlock>& blocks) {
   constexpr double outwards = 0x1p-21;  // beyond the rounding of a coordinate below 2
-  blocks.resize((triangles.size() + block_facets - 1) / block_facets);
-  parallel_ranges(blocks.size(), facets_per_task / block_facets, [&](std::size_t begin, std::size_t end) {
-    for (std::size_t block = begin; block < end; ++block) {
-      const std::size_t first = block * block_facets, last = std::min(first + block_facets, triangles.size());
-      glm::dvec3 lowest(std::numeric_limits<double>::infinity()), highest = -lowest;
-      double reach = 0;
-      for (std::size_t facet = first; facet < last; ++facet) {
-        const glm::dvec3 point(points.x[facet], points.y[facet], points.z[facet]);
-        for (int i = 0; i < 3; ++i) {
-          const glm::dvec3 corner = (glm::dvec3(positions[triangles[facet][i]]) - frame.origin) * frame.scale;
-          lowest = glm::min(lowest, corner);
-          highest = glm::max(highest, corner);
-          reach = std::max(reach, glm::length(corner - point));
-        }
+  blocks.resize(blocks_of(triangles.size()));
+  for_blocks(begin, end, [&](std::size_t block) {
+    const std::size_t first = block * block_facets, last = std::min(first + block_facets, triangles.size());
+    glm::dvec3 lowest(std::numeric_limits<double>::infinity()), highest = -lowest;
+    double reach = 0;
+    for (std::size_t facet = first; facet < last; ++facet) {
+      const glm::dvec3 point(points.x[facet], points.y[facet], points.z[facet]);
+      for (int i = 0; i < 3; ++i) {
+        const glm::dvec3 corner = (glm::dvec3(positions[triangles[facet][i]]) - frame.origin) * frame.scale;
+        lowest = glm::min(lowest, corner);
+        highest = glm::max(highest, corner);
+        reach = std::max(reach, glm::length(corner - point));
       }
-      blocks[block] = {glm::vec3(lowest - outwards), glm::vec3(highest + outwards),
-                       static_cast<float>(reach + outwards)};
     }
+    blocks[block] = {glm::vec3(lowest - outwards), glm::vec3(highest + outwards), static_cast<float>(reach + outwards)};
   });
+}
+
+bool contains(const Box& box, const Box& inner) {
+  return glm::all(glm::lessThanEqual(box.lowest, inner.lowest)) &&
+         glm::all(glm::greaterThanEqual(box.highest, inner.highest));
 }
 
 }  // namespace
 
 struct Sorter::State {
   SorterOptions options;
+  Box box;  // of all facets when they were last all new, which makes the frame
   FacetFrame frame;
   PointArrays points[3];  // one set for the keys of one point a facet; three corners for nearest and farthest
   PointArrays centroids;  // to cull by, where points[0] lies beside the facet's plane
@@ -169,6 +187,8 @@ struct Sorter::State {
 
   std::size_t facet_count() const { return points[0].size(); }
   void prepare(std::span<const glm::uvec3> triangles, const StridedPositions& positions);
+  void prepare(std::span<const glm::uvec3> triangles, const StridedPositions& positions, std::size_t begin,
+               std::size_t end);
   bool is_sorted_for(const SortView& other) const;
   void remember(const SortView& sorted_view);
   void forget_view() { has_view = ids_hold_order = asked_keys_are_current = false; }
@@ -185,9 +205,17 @@ struct Sorter::State {
 };
 
 void Sorter::State::prepare(std::span<const glm::uvec3> triangles, const StridedPositions& positions) {
-  frame = facet_frame(facet_bounds(triangles, positions));
+  box = facet_bounds(triangles, positions);
+  frame = facet_frame(box);
+  prepare(triangles, positions, 0, triangles.size());
+}
+
+// Facets [begin, end), in the frame that there is.
+void Sorter::State::prepare(std::span<const glm::uvec3> triangles, const StridedPositions& positions, std::size_t begin,
+                            std::size_t end) {
   const auto compute = [&](FacetPoint point, PointArrays& to) {
-    compute_facet_points(triangles, positions, point, frame, to);
+    for (auto* component : {&to.x, &to.y, &to.z}) component->resize(triangles.size());
+    compute_facet_points(triangles, positions, point, frame, begin, end, to);
   };
   switch (options.method) {
     case Method::centroid_distance:
@@ -214,10 +242,10 @@ void Sorter::State::prepare(std::span<const glm::uvec3> triangles, const Strided
   }
   const PointArrays& culled_by = centroids.size() == 0 ? points[0] : centroids;
   if (options.cull_back_faces) {
-    compute_normals(triangles, positions, normals);
-    compute_cones(normals, culled_by, cones);
+    compute_normals(triangles, positions, begin, end, normals);
+    compute_cones(normals, culled_by, begin, end, cones);
   }
-  if (options.cull_by_clip_planes) compute_blocks(triangles, positions, frame, culled_by, blocks);
+  if (options.cull_by_clip_planes) compute_blocks(triangles, positions, frame, culled_by, begin, end, blocks);
   forget_view();
 }
 
@@ -365,6 +393,16 @@ Sorter::~Sorter() = default;
 void Sorter::set_positions(std::span<const glm::uvec3> triangles, const StridedPositions& positions) {
   assert(triangles.size() == state_->facet_count());
   state_->prepare(triangles, positions);
+}
+
+void Sorter::set_positions(std::span<const glm::uvec3> triangles, const StridedPositions& positions,
+                           const FacetRange& changed) {
+  assert(triangles.size() == state_->facet_count());
+  assert(std::size_t{changed.first} + changed.count <= triangles.size());
+  if (changed.count == 0) return;
+  const Box box = facet_bounds(triangles.subspan(changed.first, changed.count), positions);
+  if (!contains(state_->box, box)) return set_positions(triangles, positions);
+  state_->prepare(triangles, positions, changed.first, std::size_t{changed.first} + changed.count);
 }
 
 std::span<const std::uint32_t> Sorter::sort(const SortView& view) {

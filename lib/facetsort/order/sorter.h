@@ -87,6 +87,12 @@ class Sorter {
   // New positions of the same facets (skinning): as if constructed with them, without allocating.
   // Precondition: `triangles` are those of the constructor.
   void set_positions(std::span<const glm::uvec3> triangles, const StridedPositions& positions);
+  // New positions of the facets of a range alone: of an object among others, say. What is known of the others stays,
+  // unless the range has left the box that all facets had when last all were new: keys are relative to that box.
+  // Preconditions: `triangles` are those of the constructor, the range is of them, and positions of others are the
+  // same.
+  void set_positions(std::span<const glm::uvec3> triangles, const StridedPositions& positions,
+                     const FacetRange& changed);
 
   // Ids of the facets that are not culled, in order. The span is valid until the next call on this Sorter. Does nothing
   // where the last call was this one, and neither view nor positions changed since.

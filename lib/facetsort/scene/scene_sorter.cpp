@@ -26,7 +26,8 @@ struct SceneSorter::State {
   SceneSorterOptions options;
   MergedMesh merged;
   std::optional<Sorter> sorter;    // by depth keys
-  bool has_new_positions = false;  // that the sorter does not know
+  std::vector<std::uint32_t> moved;  // objects with positions that the sorter does not know, each once
+  std::vector<unsigned char> has_moved;
   std::unique_ptr<ExactGroups> exact;
   RunGrouper grouper;
   SceneStatistics statistics;
@@ -38,6 +39,7 @@ struct SceneSorter::State {
   std::vector<std::uint32_t> indices, facets;
   std::vector<DrawRun> runs;
 
+  void take_new_positions();
   void sort_by_keys(const SortView& view);
   void sort_exactly(const SortView& view);
   void find_objects(std::span<const std::uint32_t> of_facets);
@@ -45,12 +47,26 @@ struct SceneSorter::State {
   void write(std::span<const std::uint32_t> places);
 };
 
+void SceneSorter::State::take_new_positions() {
+  const Mesh& mesh = merged.mesh;
+  const StridedPositions in_world(mesh.positions);
+  std::size_t count = 0;
+  for (const std::uint32_t k : moved) count += merged.objects[k].facet_count;
+  if (2 * count > mesh.triangles.size()) {
+    sorter->set_positions(mesh.triangles, in_world);
+  } else {
+    for (const std::uint32_t k : moved) {
+      sorter->set_positions(mesh.triangles, in_world, {merged.objects[k].first_facet, merged.objects[k].facet_count});
+    }
+  }
+  for (const std::uint32_t k : moved) has_moved[k] = 0;
+  moved.clear();
+}
+
 void SceneSorter::State::sort_by_keys(const SortView& view) {
   Stopwatch stopwatch;
   const Mesh& mesh = merged.mesh;
-  if (std::exchange(has_new_positions, false)) {
-    sorter->set_positions(mesh.triangles, std::span<const glm::vec3>(mesh.positions));
-  }
+  take_new_positions();
   statistics.prepare_ms = stopwatch.lap();
   order.triangles.resize(mesh.triangles.size());
   order.facets.resize(mesh.triangles.size());
@@ -120,6 +136,8 @@ Result<SceneSorter> SceneSorter::create(const Scene& scene, std::span<const std:
   } else {
     state->sorter.emplace(mesh.view(), SorterOptions{.method = options.method, .precision = options.precision});
     state->runs.reserve(mesh.triangles.size());  // so many there may be from some eye
+    state->moved.reserve(objects.size());
+    state->has_moved.assign(objects.size(), 0);
   }
   return SceneSorter(std::move(state));
 }
@@ -143,7 +161,7 @@ Status SceneSorter::update(const Scene& scene, std::size_t k, std::span<const gl
   if (state_->exact) {
     state_->exact->update(state_->merged, static_cast<std::uint32_t>(k));
   } else {
-    state_->has_new_positions = true;
+    if (std::exchange(state_->has_moved[k], 1) == 0) state_->moved.push_back(static_cast<std::uint32_t>(k));
   }
   return status;
 }
@@ -179,7 +197,8 @@ const SceneStatistics& SceneSorter::statistics() const {
 std::size_t SceneSorter::memory_bytes() const {
   const State& s = *state_;
   return bytes_of(s.order.triangles, s.order.facets, s.order.cut_vertices, s.objects, s.positions, s.indices, s.facets,
-                  s.runs, s.merged.mesh.positions, s.merged.mesh.triangles, s.merged.facet_objects) +
+                  s.runs, s.moved, s.has_moved, s.merged.mesh.positions, s.merged.mesh.triangles,
+                  s.merged.facet_objects) +
          s.grouper.memory_bytes() + (s.sorter ? s.sorter->memory_bytes() : 0) + (s.exact ? s.exact->memory_bytes() : 0);
 }
 

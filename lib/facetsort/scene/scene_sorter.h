@@ -52,7 +52,8 @@ struct SceneStatistics {
   double group_runs_ms = 0;
 };
 
-// Sorts objects of a scene together for many views. By depth keys nothing is allocated once warm.
+// Sorts objects of a scene together for many views. By depth keys nothing is allocated once warm, and after updates what
+// is known of the other objects stays (see Sorter::set_positions()).
 //
 // Exact: objects that none of thirteen directions' planes parts are sorted together, each such group by an ExactSorter
 // of its own; groups are drawn one after the other as planes between objects ask for, and from the first view on in
