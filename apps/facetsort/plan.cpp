@@ -37,6 +37,7 @@ struct PlannedInput {
   bool is_scene = false;
   Plan plan{};
   std::optional<PlannedStatistics> orbit{};
+  double orbit_degrees = 0;  // all of it
 };
 
 // Of a camera that turns once around the mesh, or as far as it comes in most_orbit_frames.
@@ -68,12 +69,16 @@ PlannedInput plan_file(const std::string& path, const PlanVerbOptions& options) 
   if (options.orbit_degrees > 0) renderer.emplace(input.mesh.view(), plan_options, input.presorted_input());
   if (input.scene) {
     planned.plan = require(plan_scene(*input.scene, plan_options));
+    if (renderer) planned.plan.whole = renderer->plan();  // that which the orbit is drawn by
   } else {
     planned.plan.whole =
         renderer ? renderer->plan() : plan_mesh(input.mesh.view(), plan_options, input.presorted_input());
     planned.plan.plan_ms = planned.plan.whole.plan_ms;
   }
-  if (renderer) planned.orbit = orbit(*renderer, input, options);
+  if (renderer) {
+    planned.orbit = orbit(*renderer, input, options);
+    planned.orbit_degrees = options.orbit_degrees * static_cast<double>(planned.orbit->frames);
+  }
   return planned;
 }
 
@@ -150,9 +155,10 @@ void print_input(const PlannedInput& input) {
     }
   }
   if (input.orbit) {
-    facts.emplace_back("frames", count_text(input.orbit->frames) + " of an orbit: the last order held in " +
-                                     count_text(input.orbit->kept) + ", nothing had to be sorted in " +
-                                     count_text(input.orbit->unsorted));
+    facts.emplace_back("frames", count_text(input.orbit->frames) + " of a turn of " +
+                                     number_text(std::min(360.0, input.orbit_degrees)) +
+                                     " degrees: the last order held in " + count_text(input.orbit->kept) +
+                                     ", nothing had to be sorted in " + count_text(input.orbit->unsorted));
   }
   facts.emplace_back("planned in", milliseconds_text(input.plan.plan_ms) + " ms");
   print_facts(facts);

@@ -85,7 +85,13 @@ TEST(Plan, SaysHowOftenAnOrbitKeepsAnOrder) {
     EXPECT_LT(kept, kept_before);
     kept_before = kept;
   }
-  EXPECT_NE(run_program({"plan", box, "--orbit", "90"}).output.find("4 of an orbit"), std::string::npos);
+  EXPECT_NE(run_program({"plan", box, "--orbit", "90"}).output.find("4 of a turn of 360 degrees"), std::string::npos);
+  const std::string scene = (folder.path() / "scene").string();
+  std::filesystem::create_directory(scene);
+  std::filesystem::copy(box, scene);
+  const Finished finished = run_program({"plan", scene, "--orbit", "0.05", "--json", "--size", "32"});
+  ASSERT_EQ(finished.status, 0) << finished.error;
+  EXPECT_EQ(Json::parse(finished.output).at("meshes").at(0).at("orbit").at("frames"), 3600);
 }
 
 TEST(Plan, RefusesWithOneLine) {

@@ -145,7 +145,6 @@ TEST(SceneStrategy, NothingButOpaqueNeedsNoOrder) {
   }
 }
 
-// Along the camera's own up, where a matrix made of it would be no matrix.
 // Two triangles one above the other, the nearer one first, and a camera straight above.
 Scene stacked_triangles() {
   Scene scene;
@@ -156,6 +155,7 @@ Scene stacked_triangles() {
   return scene;
 }
 
+// Along the camera's own up, where a matrix made of it would be no matrix.
 View straight_above() {
   View view;
   view.eye = {0, 8, 0};
@@ -217,6 +217,12 @@ TEST(SceneStrategy, EnginesHeedTheirSettings) {
   expect_picture_of("depth_write", DrawOrderRule::babylon, "forceDepthWrite", [](Settings& nearer, Settings&) {
     nearer.babylon = {.alpha_index = 0, .force_depth_write = true};
   });
+  expect_picture_of("depth_write", DrawOrderRule::babylon, "needDepthPrePass", [](Settings& nearer, Settings&) {
+    nearer.babylon = {.alpha_index = 0, .need_depth_pre_pass = true};
+  });
+  expect_picture_of("unsorted", DrawOrderRule::babylon, "disableDepthWrite", [](Settings& nearer, Settings&) {
+    nearer.babylon = {.alpha_index = 0, .force_depth_write = true, .disable_depth_write = true};
+  });
   expect_picture_of("depth_write", DrawOrderRule::three, "renderOrder, depth written",
                     [](Settings&, Settings& farther) { farther.three.render_order = 1; });
   expect_picture_of("depth_write", DrawOrderRule::panda3d, "bin, depth written",
@@ -255,6 +261,19 @@ TEST(SceneStrategy, OnlyThreeIsRightOnBothSidesOfConvexObjects) {
   for (const char* other : {"draw_order:babylon", "draw_order:galacean", "draw_order:panda3d"}) {
     EXPECT_GT(pixels_off(scene.draw(other, view), reference), 100u) << other;
   }
+}
+
+TEST(SceneStrategy, SettingsTellInHowManyPassesBothSidesAreDrawn) {
+  Scene scene = spheres_in_a_row(true);
+  for (SceneObject& object : scene.objects) {
+    object.settings.babylon.separate_culling_pass = true;
+    object.settings.three.force_single_pass = true;
+  }
+  const MergedScene merged(std::move(scene));
+  const View view = merged.view({0.1f, 0.2f, 2.5f});
+  const Image reference = merged.draw("reference", view);
+  EXPECT_EQ(pixels_off(merged.draw("draw_order:babylon", view), reference), 0u);
+  EXPECT_GT(pixels_off(merged.draw("draw_order:three", view), reference), 100u);
 }
 
 TEST(SceneStrategy, NamesOfRules) {

@@ -296,6 +296,38 @@ TEST(SorterOutput, LargeMeshesComeOutTheSameAtEveryAddress) {
   }
 }
 
+// Of a block's normals some are seen edge-on from eyes that are nearly on the axis of their cone.
+TEST(SorterOutput, NothingSeenFromTheFrontIsLeftOutWithItsBlock) {
+  Mesh mesh;
+  const auto add = [&](const glm::dvec3& at, const glm::dvec3& towards) {
+    const glm::dvec3 normal = glm::normalize(towards);
+    const glm::dvec3 a = glm::normalize(glm::cross(normal, glm::dvec3(0.3, 0.5, 0.77))), b = glm::cross(normal, a);
+    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
+    for (int k = 0; k < 3; ++k) {
+      const double turn = glm::radians(120.0 * k);
+      mesh.positions.emplace_back(at + (std::cos(turn) * a + std::sin(turn) * b) / 1024.0);
+    }
+    mesh.triangles.emplace_back(first, first + 1, first + 2);
+  };
+  for (const double x : {-1.0, 1.0}) {
+    for (const double y : {-1.0, 1.0}) {
+      add({x, y, -1}, {-x, -y, 1});
+      add({x, y, 1}, {0, 0, 1});
+    }
+  }
+  Sorter sorter(mesh.view(), {.cull_back_faces = true});
+  std::size_t left_out = 0;
+  for (float aside = 1e-4f; aside < 1.5e-3f; aside += 2e-5f) {
+    for (float below = 3; below < 3.0045f; below += 1e-5f) {
+      const SortView view{glm::vec4(-aside, -aside, -below, 1), glm::vec3(0, 0, 1)};
+      std::array<bool, 8> is_kept{};
+      for (const std::uint32_t id : sorter.sort(view)) is_kept[id] = true;
+      for (std::uint32_t id = 0; id < 8; ++id) left_out += faces(mesh, id, view.eye) && !is_kept[id];
+    }
+  }
+  EXPECT_EQ(left_out, 0u);
+}
+
 // Blocks of neighbours are told by the cone of their normals; blocks of facets from anywhere can't be.
 TEST(SorterOutput, BlocksThatAreToldAtOnceChangeNothing) {
   std::mt19937 random(11);
@@ -452,7 +484,7 @@ TEST(SorterOutput, AllocatesNothingAfterTheFirstCallOfEach) {
     EXPECT_EQ(scope.count().calls, 0u);
   };
   for (const Precision precision : {Precision::quantised, Precision::whole}) {
-    with_threads(1, [&] { expect_none(precision); });
+    for (const int threads : {1, 2, 8}) with_threads(threads, [&] { expect_none(precision); });
   }
 }
 

@@ -369,13 +369,17 @@ TEST_F(ReadScene, NamesWhatItRefuses) {
     return text.gltf();
   };
   expect_fault(with_settings("3"), Fault::malformed, "node 0: extras.facetsort is no object");
-  expect_fault(with_settings(R"({"unity":{"order":1}})"), Fault::malformed, "node 0: extras: no engine is 'unity'");
-  expect_fault(with_settings(R"({"three":[1]})"), Fault::malformed, "node 0: extras: three is no object");
+  expect_fault(with_settings(R"({"unity":{}})"), Fault::malformed, "node 0: extras: no engine is 'unity'");
+  expect_fault(with_settings(R"({"three":null})"), Fault::malformed, "node 0: extras: three is no object");
   expect_fault(with_settings(R"({"three":{"renderOder":1}})"), Fault::malformed,
                "node 0 extras, three: no setting is 'renderOder'");
   expect_fault(with_settings(R"({"three":{"depthWrite":1}})"), Fault::malformed,
                "three.depthWrite is of the wrong type");
   expect_fault(with_settings(R"({"babylon":{"renderingGroupId":1.5}})"), Fault::malformed, "babylon.renderingGroupId");
+  expect_fault(with_settings(R"({"three":{"renderOder":null}})"), Fault::malformed, "no setting is 'renderOder'");
+  expect_fault(with_settings(R"({"babylon":{"renderingGroupId":4294967296}})"), Fault::malformed,
+               "babylon.renderingGroupId");
+  expect_fault(with_settings(R"({"panda3d":{"drawOrder":2147483648}})"), Fault::malformed, "panda3d.drawOrder");
   expect_fault(with_settings(R"({"babylon":{"renderingGroupId":-1}})"), Fault::malformed, "babylon.renderingGroupId");
   expect_fault(with_settings(R"({"babylon":{"renderingGroupId":64}})"), Fault::bad_argument,
                "rendering group 64 of 64");
@@ -394,6 +398,36 @@ TEST_F(ReadScene, NamesWhatItRefuses) {
                "two bins are called 'fixed'");
   expect_fault("{\"asset\":", Fault::malformed, "");
   expect_fault("", Fault::malformed, "");
+}
+
+TEST_F(ReadScene, SettingsOfEngines) {
+  GltfText text = one_triangle();
+  text.nodes = R"({"children":[1],"extras":{"facetsort":{"three":{"groupOrder":3}}}},)"
+               R"({"mesh":0,"extras":{"facetsort":{"three":{"renderOrder":3000000000}}}})";
+  const Scene scene = read(text.gltf());
+  ASSERT_EQ(scene.objects.size(), 1u);
+  EXPECT_EQ(scene.objects[0].settings.three.render_order, 3e9);
+  EXPECT_EQ(scene.objects[0].settings.three.group_order, 0);
+  ASSERT_EQ(scene.notes.size(), 1u);
+  EXPECT_NE(scene.notes[0].find("do not inherit"), std::string::npos);
+}
+
+TEST_F(ReadScene, FilesOfAFolderShareBinsOrNameTheOneThatDiffers) {
+  const auto with_bin = [](const char* sort) {
+    GltfText text = one_triangle();
+    text.scene_nodes += R"(],"extras":{"facetsort":{"panda3d":{"bins":[{"name":"late","type":"fixed","sort":)" +
+                        std::string(sort) + R"(}]}}},"x":[)";
+    return text.gltf();
+  };
+  const std::filesystem::path first = folder_.write("a.gltf", with_bin("60")),
+                              same = folder_.write("b.gltf", with_bin("60")),
+                              other = folder_.write("c.gltf", with_bin("61"));
+  const Result<Scene> shared = read_scene(std::vector{first, same});
+  ASSERT_TRUE(shared.ok()) << shared.status().message;
+  EXPECT_EQ(shared.value().panda3d_bins.size(), 1u);
+  const Result<Scene> differing = read_scene(std::vector{first, other});
+  ASSERT_FALSE(differing.ok());
+  EXPECT_TRUE(differing.status().message.starts_with(other.string() + ": the bin 'late'"));
 }
 
 TEST_F(ReadScene, AFolderIsAScene) {

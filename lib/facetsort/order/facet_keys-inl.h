@@ -161,9 +161,11 @@ HWY_INLINE Seen seen_of_block(const FacingTest& test, const NormalCone& cone) {
   // More than the test of a facet allows for (see cull_tile()), whose normals are at least 32767 long.
   const float far = glm::abs(to_eye.x) + glm::abs(to_eye.y) + glm::abs(to_eye.z) + radius;
   const float slack = radius + 1e-4f * far + 1e-5f;
-  // Of all directions of the cone, the products with to_eye are this and at most `aside` more or less.
+  // Seen from behind the axis, no direction of the cone has a larger product with to_eye than this and `aside`; seen
+  // from in front of it, none a smaller one than the difference. (Not by Pythagoras: that would cancel near the axis.)
   const float product = along * cone.cosine;
-  const float aside_squared = (glm::dot(to_eye, to_eye) - along * along) * cone.sine * cone.sine;
+  const glm::vec3 across = (to_eye - along * cone.axis) * cone.sine;
+  const float aside_squared = glm::dot(across, across);
   const float beyond = glm::abs(product) - slack;
   if (!(beyond > 0) || beyond * beyond <= aside_squared) return Seen::both;
   return product < 0 ? Seen::from_behind : Seen::from_front;
@@ -186,10 +188,10 @@ struct BlockCulling {
   bool tests_anything() const { return tests_facing || plane_count > 0; }
 };
 
-// For each vector of a tile's facets, from `i` on, keep(i, which of them are not culled). The tile lies in one block.
-template <typename Keep>
+// For each vector of a tile's facets, from `i` on, take(i, which of them are not culled). The tile lies in one block.
+template <typename Take>
 HWY_INLINE void cull_tile(const KeySource& source, const BlockCulling& culling, std::size_t first, std::size_t count,
-                          const Keep& keep_facets) {
+                          const Take& take) {
   const FloatTag d;
   const IntTag di;
   const TilePoints points(source.culled_by, first, count);
@@ -226,7 +228,7 @@ HWY_INLINE void cull_tile(const KeySource& source, const BlockCulling& culling, 
       const float slack = culling.reach + 32 * 3.5f * 0x1p-24f + glm::abs(plane.w) * 0x1p-22f;
       keep = hn::And(keep, hn::Ge(value, hn::Set(d, -plane.w - slack)));
     }
-    keep_facets(i, keep);
+    take(i, keep);
   }
 }
 

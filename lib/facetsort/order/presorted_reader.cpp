@@ -45,15 +45,19 @@ struct Run {
   const glm::uvec3* soon;
 };
 
+// Of any memory, there or not.
+void prefetch(const void* base, std::size_t offset) {
+  hwy::Prefetch(reinterpret_cast<const char*>(reinterpret_cast<std::uintptr_t>(base) + offset));
+}
+
 // Writes from[order[k]] for each k below count. Where there is room, four words at a time: what is one word too many
 // the next triangle overwrites, and what is up to three triangles too many, the next block. As many as are written are
 // fetched ahead, line by line: a core waits for no more than some twenty lines at once.
 void write_triangles(const Run& run, const std::uint8_t* order, std::size_t count) {
   static_assert(triangles_at_a_time == 4);
   if (run.readable > most_block_triangles + triangles_at_a_time && run.writable > count + triangles_at_a_time) {
-    const char* line = reinterpret_cast<const char*>(run.soon);
-    for (std::size_t k = 0; k < count; k += triangles_at_a_time, line += line_bytes) {
-      hwy::Prefetch(line);
+    for (std::size_t k = 0; k < count; k += triangles_at_a_time) {
+      prefetch(run.soon, k / triangles_at_a_time * line_bytes);
       for (std::size_t i = k; i < k + triangles_at_a_time; ++i) {
         std::uint32_t words[4];
         std::memcpy(words, run.from + order[i], sizeof words);
@@ -183,7 +187,7 @@ void PresortedReader::State::for_blocks_drawn(const Write& write) const {
       const Block& block = blocks.blocks[b];
       const Block& soon = blocks.blocks[block_at[std::min(k + ahead, block_at.size() - 1)]];
       for (std::size_t at = 0; at < most_block_triangles; at += line_bytes) {
-        hwy::Prefetch(orders.data() + soon.first_spot + at);
+        prefetch(orders.data(), soon.first_spot + at);
       }
       write(block, orders.data() + block.first_spot, kept[b], offsets[k], offsets[end] - offsets[k], soon);
     }

@@ -179,6 +179,8 @@ tinygltf::Model read_gltf_model(const std::filesystem::path& path) {
   Files files{.folder = folder};
   tinygltf::TinyGLTF reader;
   reader.SetImageLoader(keep_picture_file, nullptr);
+  reader.SetStoreOriginalJSONForExtrasAndExtensions(
+      true);  // tinygltf's own values drop what is empty, and cut integers
   reader.SetFsCallbacks({file_exists, same_path, read_whole_file, nullptr, &files});
   tinygltf::Model model;
   std::string error, warning;

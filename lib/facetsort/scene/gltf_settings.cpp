@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <iterator>
 #include <limits>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 
@@ -13,6 +15,7 @@
 namespace facetsort::scene_internal {
 namespace {
 
+using Json = nlohmann::json;
 using tinygltf::Value;
 
 // Beside what others keep in extras.
@@ -49,30 +52,30 @@ void for_each_setting(const Visit& visit, Settings&... settings) {
   throw SceneError{Fault::malformed, place + ": " + what};
 }
 
-bool read(const Value& value, double& to) {
-  if (!value.IsNumber() || !std::isfinite(value.GetNumberAsDouble())) return false;
-  to = value.GetNumberAsDouble();
+bool read(const Json& value, double& to) {
+  if (!value.is_number() || !std::isfinite(value.get<double>())) return false;
+  to = value.get<double>();
   return true;
 }
 
-bool read(const Value& value, bool& to) {
-  if (!value.IsBool()) return false;
-  to = value.Get<bool>();
+bool read(const Json& value, bool& to) {
+  if (!value.is_boolean()) return false;
+  to = value.get<bool>();
   return true;
 }
 
-bool read(const Value& value, std::string& to) {
-  if (!value.IsString()) return false;
-  to = value.Get<std::string>();
+bool read(const Json& value, std::string& to) {
+  if (!value.is_string()) return false;
+  to = value.get<std::string>();
   return true;
 }
 
-bool read(const Value& value, std::optional<std::string>& to) {
+bool read(const Json& value, std::optional<std::string>& to) {
   return read(value, to.emplace());
 }
 
 template <typename Integer>
-bool read_whole(const Value& value, Integer& to) {
+bool read_whole(const Json& value, Integer& to) {
   double number = 0;
   if (!read(value, number) || std::floor(number) != number ||
       number < static_cast<double>(std::numeric_limits<Integer>::min()) ||
@@ -83,11 +86,11 @@ bool read_whole(const Value& value, Integer& to) {
   return true;
 }
 
-bool read(const Value& value, int& to) {
+bool read(const Json& value, int& to) {
   return read_whole(value, to);
 }
 
-bool read(const Value& value, std::uint32_t& to) {
+bool read(const Json& value, std::uint32_t& to) {
   return read_whole(value, to);
 }
 
@@ -106,18 +109,20 @@ std::optional<Value> written(const std::optional<std::string>& setting, const st
   return Value(*setting);
 }
 
-// The own part of extras, an object; null where there is none.
-const Value* own_part(const Value& extras, const std::string& place) {
-  if (!extras.IsObject() || !extras.Has(own_key)) return nullptr;
-  const Value& own = extras.Get(own_key);
-  if (!own.IsObject()) refuse(place, "extras." + std::string(own_key) + " is no object");
-  return &own;
+// The own part of extras, an object; none where there is none.
+std::optional<Json> own_part(const std::string& extras, const std::string& place) {
+  Json json = Json::parse(extras, nullptr, false);
+  if (!json.is_object() || !json.contains(own_key)) return std::nullopt;
+  if (!json[own_key].is_object()) refuse(place, "extras." + std::string(own_key) + " is no object");
+  return std::move(json[own_key]);
 }
 
 // Refuses members of `object` that are not among `known`.
-void refuse_others(const Value& object, const std::vector<std::string>& known, const std::string& place) {
-  for (const std::string& key : object.Keys()) {
-    if (std::find(known.begin(), known.end(), key) == known.end()) refuse(place, "no setting is '" + key + "'");
+void refuse_others(const Json& object, const std::vector<std::string>& known, const std::string& place) {
+  for (const auto& member : object.items()) {
+    if (std::find(known.begin(), known.end(), member.key()) == known.end()) {
+      refuse(place, "no setting is '" + member.key() + "'");
+    }
   }
 }
 
@@ -127,14 +132,14 @@ Value in_own_part(Value::Object content) {
   return Value(std::move(extras));
 }
 
-Panda3DBin read_bin(const Value& from, const std::string& place) {
-  if (!from.IsObject()) refuse(place, "a bin that is no object");
+Panda3DBin read_bin(const Json& from, const std::string& place) {
+  if (!from.is_object()) refuse(place, "a bin that is no object");
   refuse_others(from, {"name", "sort", "type"}, place);
   Panda3DBin bin;
   std::string type;
-  if (!from.Has("name") || !read(from.Get("name"), bin.name)) refuse(place, "a bin without a name");
-  if (!from.Has("sort") || !read(from.Get("sort"), bin.sort)) refuse(place, "a bin whose sort is no whole number");
-  if (!from.Has("type") || !read(from.Get("type"), type)) refuse(place, "a bin without a type");
+  if (!from.contains("name") || !read(from["name"], bin.name)) refuse(place, "a bin without a name");
+  if (!from.contains("sort") || !read(from["sort"], bin.sort)) refuse(place, "a bin whose sort is no whole number");
+  if (!from.contains("type") || !read(from["type"], type)) refuse(place, "a bin without a type");
   const auto* found =
       std::find_if(std::begin(bin_types), std::end(bin_types), [&](const auto& entry) { return entry.second == type; });
   if (found == std::end(bin_types)) refuse(place, "no type of bins is '" + type + "'");
@@ -144,42 +149,41 @@ Panda3DBin read_bin(const Value& from, const std::string& place) {
 
 }  // namespace
 
-EngineSettings read_settings(const Value& extras, const std::string& place) {
+EngineSettings read_settings(const std::string& extras, const std::string& place) {
   EngineSettings settings;
-  const Value* own = own_part(extras, place);
-  if (own == nullptr) return settings;
+  const std::optional<Json> own = own_part(extras, place);
+  if (!own) return settings;
   std::map<std::string, std::vector<std::string>> known;
   const auto read_one = [&](const std::string& engine, const std::string& key, auto& setting) {
     known[engine].push_back(key);
-    if (!own->Has(engine)) return;
-    const Value& of_engine = own->Get(engine);
-    if (!of_engine.IsObject()) refuse(place, "extras: " + engine + " is no object");
-    if (of_engine.Has(key) && !read(of_engine.Get(key), setting)) {
+    if (!own->contains(engine)) return;
+    const Json& of_engine = (*own)[engine];
+    if (!of_engine.is_object()) refuse(place, "extras: " + engine + " is no object");
+    if (of_engine.contains(key) && !read(of_engine[key], setting)) {
       refuse(place, "extras: " + engine + "." + key + " is of the wrong type or out of range");
     }
   };
   for_each_setting(read_one, settings);
-  for (const std::string& engine : own->Keys()) {
-    if (!known.contains(engine)) refuse(place, "extras: no engine is '" + engine + "'");
-    refuse_others(own->Get(engine), known[engine], place + " extras, " + engine);
+  for (const auto& engine : own->items()) {
+    if (!known.contains(engine.key())) refuse(place, "extras: no engine is '" + engine.key() + "'");
+    refuse_others(engine.value(), known[engine.key()], place + " extras, " + engine.key());
   }
   return settings;
 }
 
-std::vector<Panda3DBin> read_bins(const Value& extras, const std::string& place) {
+std::vector<Panda3DBin> read_bins(const std::string& extras, const std::string& place) {
   std::vector<Panda3DBin> bins;
-  const Value* own = own_part(extras, place);
-  if (own == nullptr) return bins;
+  const std::optional<Json> own = own_part(extras, place);
+  if (!own) return bins;
   refuse_others(*own, {"panda3d"}, place + " extras");
-  if (!own->Has("panda3d")) return bins;
-  const Value& panda3d = own->Get("panda3d");
-  if (!panda3d.IsObject()) refuse(place, "extras: panda3d is no object");
+  if (!own->contains("panda3d")) return bins;
+  const Json& panda3d = (*own)["panda3d"];
+  if (!panda3d.is_object()) refuse(place, "extras: panda3d is no object");
   refuse_others(panda3d, {"bins"}, place + " extras, panda3d");
-  if (!panda3d.Has("bins")) return bins;
-  const Value& list = panda3d.Get("bins");
-  if (!list.IsArray()) refuse(place, "extras: panda3d.bins is no list");
-  for (std::size_t i = 0; i < list.ArrayLen(); ++i) {
-    bins.push_back(read_bin(list.Get(static_cast<int>(i)), place + " extras, bin " + std::to_string(i)));
+  if (!panda3d.contains("bins")) return bins;
+  if (!panda3d["bins"].is_array()) refuse(place, "extras: panda3d.bins is no list");
+  for (const Json& bin : panda3d["bins"]) {
+    bins.push_back(read_bin(bin, place + " extras, bin " + std::to_string(bins.size())));
   }
   return bins;
 }

@@ -12,10 +12,11 @@
 
 namespace facetsort::scene_internal {
 
-// Of a node; the defaults where its extras have none. Throws SceneError for what is no setting, or of another type.
-EngineSettings read_settings(const tinygltf::Value& extras, const std::string& place);
+// Of a node, whose extras are this JSON, or empty; the defaults where they have none. Throws SceneError for what is no
+// setting, or of another type.
+EngineSettings read_settings(const std::string& extras, const std::string& place);
 // Of a scene: Panda3D's bins beside its own. Throws SceneError.
-std::vector<Panda3DBin> read_bins(const tinygltf::Value& extras, const std::string& place);
+std::vector<Panda3DBin> read_bins(const std::string& extras, const std::string& place);
 
 // Null where all are as they are by default.
 tinygltf::Value extras_of(const EngineSettings& settings);

@@ -104,7 +104,7 @@ class Reader {
   std::vector<std::optional<TextureUse>> texture_uses_;  // of each material
   std::optional<std::uint32_t> default_material_;
   std::map<int, std::vector<std::uint32_t>> mesh_numbers_;
-  std::size_t elements_ = 0, without_facets_ = 0, skinned_ = 0, morphed_ = 0;
+  std::size_t elements_ = 0, without_facets_ = 0, skinned_ = 0, morphed_ = 0, set_aside_ = 0;
 };
 
 void Reader::refuse_unknown_extensions() const {
@@ -362,6 +362,7 @@ void Reader::add_notes() {
   note(without_facets_, "primitives without facets (points, lines) are left out");
   note(skinned_, "skinned nodes are shown as they are at rest");
   note(morphed_, "primitives with morph targets are shown as they are at rest");
+  note(set_aside_, "nodes without a mesh have engines' settings, which those below them do not inherit");
 }
 
 Scene Reader::read() {
@@ -371,16 +372,19 @@ Scene Reader::read() {
     const tinygltf::Node& node = model_.nodes[placed.node];
     const std::string here = numbered("node", placed.node);
     if (node.camera >= 0) scene_.cameras.push_back(read_camera(model_, node, placed.world, here));
-    if (node.mesh < 0) continue;
+    const EngineSettings settings = read_settings(node.extras_json_string, here);
+    if (node.mesh < 0) {
+      set_aside_ += settings != EngineSettings{};
+      continue;
+    }
     skinned_ += node.skin >= 0;
-    const EngineSettings settings = read_settings(node.extras, here);
     for (const std::uint32_t mesh : meshes_of(node.mesh, here)) {
       scene_.objects.push_back({.name = node.name, .mesh = mesh, .world = placed.world, .settings = settings});
     }
   }
   if (!model_.scenes.empty()) {
     const std::size_t shown = shown_scene(model_);
-    scene_.panda3d_bins = read_bins(model_.scenes[shown].extras, numbered("scene", shown));
+    scene_.panda3d_bins = read_bins(model_.scenes[shown].extras_json_string, numbered("scene", shown));
   }
   if (scene_.objects.empty()) throw SceneError{Fault::empty_mesh, "no node shows a facet"};
   add_notes();

@@ -109,10 +109,16 @@ Result<Scene> read_scene(std::span<const std::filesystem::path> files) {
   for (const std::filesystem::path& file : files) {
     Result<Scene> read = read_file(file);
     if (!read.ok()) return read.status();
+    for (const Panda3DBin& bin : read.value().panda3d_bins) {
+      const auto other = std::find_if(scene.panda3d_bins.begin(), scene.panda3d_bins.end(),
+                                      [&](const Panda3DBin& known) { return known.name == bin.name; });
+      if (other != scene.panda3d_bins.end() && *other != bin) {
+        return with_file(file, Fault::bad_argument, "the bin '" + bin.name + "' is another in a file before");
+      }
+    }
     append(scene, std::move(read).value());
   }
   if (scene.objects.empty()) return Status{Fault::empty_mesh, "no file to make a scene of"};
-  if (const Status status = validate(scene); !status.ok()) return status;  // bins of one name in two files
   return scene;
 }
 

@@ -15,8 +15,8 @@ namespace facetsort {
 // its base colour (sRGB pictures made linear, KHR_texture_transform applied), alpha mode and cutoff, sides and
 // KHR_materials_transmission are kept.
 //
-// What engines' draw orders know beside that may stand in the extras of nodes, all of it or some, in the engines' words
-// (see EngineSettings), and bins of Panda3D's beside its own in the extras of the scene:
+// What engines' draw orders know beside that may stand in the extras of nodes that show a mesh, all of it or some, in
+// the engines' words (see EngineSettings), and bins of Panda3D's beside its own in the extras of the scene:
 //
 //   {"facetsort": {"galacean": {"priority": 1},
 //                  "babylon": {"renderingGroupId": 1, "alphaIndex": 2, "needDepthPrePass": true,
