@@ -8,8 +8,12 @@
 #include <vtkPoints.h>
 #include <vtkPolyData.h>
 
+#include <algorithm>
+#include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -18,6 +22,29 @@
 
 namespace facetsort::bench {
 namespace {
+
+// All facets, by the depth of their first corners along the view, which is what the filter goes by.
+bool is_sorted(vtkPolyData& sorted, const Mesh& mesh, const View& view) {
+  std::vector<std::array<vtkIdType, 3>> drawn, expected;
+  const glm::dvec3 forward = glm::normalize(glm::dvec3(view.at) - glm::dvec3(view.eye));
+  double last = std::numeric_limits<double>::infinity();
+  bool in_order = true;
+  vtkCellArray* cells = sorted.GetPolys();
+  cells->InitTraversal();
+  vtkIdType count;
+  for (const vtkIdType* corners; cells->GetNextCell(count, corners) != 0;) {
+    if (count != 3) return false;
+    drawn.push_back({corners[0], corners[1], corners[2]});
+    const glm::dvec3 first(mesh.positions[static_cast<std::size_t>(corners[0])]);
+    const double depth = glm::dot(first - glm::dvec3(view.eye), forward);
+    in_order = in_order && depth <= last + 1e-5 * std::abs(depth);
+    last = depth;
+  }
+  for (const glm::uvec3& t : mesh.triangles) expected.push_back({t.x, t.y, t.z});
+  std::sort(drawn.begin(), drawn.end());
+  std::sort(expected.begin(), expected.end());
+  return in_order && drawn == expected;
+}
 
 void sort_frames(benchmark::State& state, const Subject& subject) {
   const Mesh& mesh = subject.mesh();
@@ -46,8 +73,8 @@ void sort_frames(benchmark::State& state, const Subject& subject) {
     sort->Update();
     benchmark::DoNotOptimize(sort->GetOutput());
   }
-  if (sort->GetOutput()->GetNumberOfPolys() != static_cast<vtkIdType>(mesh.triangles.size())) {
-    state.SkipWithError("facets are missing");
+  if (frame > 0 && !is_sorted(*sort->GetOutput(), mesh, frames[(frame - 1) % frames.size()])) {
+    state.SkipWithError("not the facets, back to front by their first corners");
   }
   state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(mesh.triangles.size()));
 }

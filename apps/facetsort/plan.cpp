@@ -30,6 +30,7 @@ struct PlanVerbOptions {
   float radii = PlanOptions{}.radii;
   PictureSize size{PlanOptions{}.width, PlanOptions{}.height};
   double orbit_degrees = 0;  // a frame; 0: no orbit
+  bool additive = false;
 };
 
 struct PlannedInput {
@@ -58,6 +59,7 @@ PlannedStatistics orbit(PlannedRenderer& renderer, const InputMesh& input, const
 
 PlannedInput plan_file(const std::string& path, const PlanVerbOptions& options) {
   const PlanOptions plan_options{.error_budget = options.error_budget,
+                                 .additive = options.additive,
                                  .frames = static_cast<std::size_t>(options.frames),
                                  .views = options.views,
                                  .radii = options.radii,
@@ -198,6 +200,7 @@ Verb add_plan(CLI::App& program, const CommonOptions& common) {
       ->required()
       ->type_name("");
   add_budget_option(*command, options->error_budget);
+  command->add_flag("--additive", options->additive, "Colours are to be added, not blended over each other");
   add_count_option(*command, "--frames", options->frames, most_frames,
                    "Frames to be drawn: what is made once has to save more than it takes");
   add_count_option(*command, "--views", options->views, most_views, "Views in which strategies are timed and measured");

@@ -94,6 +94,14 @@ TEST(Plan, SaysHowOftenAnOrbitKeepsAnOrder) {
   EXPECT_EQ(Json::parse(finished.output).at("meshes").at(0).at("orbit").at("frames"), 3600);
 }
 
+TEST(Plan, AddedColoursAreNotSorted) {
+  const TemporaryFolder folder;
+  const std::string knot = write_mesh(folder, "knot.ply", shapes::torus_knot(500));
+  const Finished finished = run_program({"plan", knot, "--additive"});
+  ASSERT_EQ(finished.status, 0) << finished.error;
+  EXPECT_NE(finished.output.find("additive, proved: colours are added"), std::string::npos) << finished.output;
+}
+
 TEST(Plan, RefusesWithOneLine) {
   const TemporaryFolder folder;
   const std::string box = write_mesh(folder, "box.ply", shapes::box());

@@ -114,6 +114,16 @@ TEST(Plan, OpaqueFacetsNeedNoOrder) {
   EXPECT_FALSE(plan.geometry) << "found though nothing needs it";
 }
 
+TEST(Plan, AddedColoursNeedNoOrder) {
+  Mesh mesh = dented_box();
+  colour(mesh, 0.5f);
+  const MeshPlan plan = plan_mesh(mesh.view(), {.additive = true});
+  EXPECT_EQ(plan.strategy.name(), "additive");
+  EXPECT_EQ(plan.certainty, Certainty::proved);
+  EXPECT_TRUE(leaves_out(plan, "sorting"));
+  EXPECT_TRUE(plan.timed.empty());
+}
+
 TEST(Plan, BlendedFacetsOfFullAlphaNeedDepthAlone) {
   Mesh soup = shapes::soup(200, 1);
   soup.facet_colours.clear();

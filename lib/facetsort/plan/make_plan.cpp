@@ -139,6 +139,11 @@ bool Planner::by_colours() {
   plan().lowest_alpha = appearance_.lowest_alpha;
   plan().highest_alpha = appearance_.highest_alpha;
   plan().layers_that_matter = layers_that_matter(appearance_);
+  if (options_.additive) {
+    choose({.kind = StrategyKind::additive}, "colours are added: every order gives the same picture");
+    leave_out_sorting();
+    return true;
+  }
   if (appearance_.highest_alpha <= 0) {
     choose({.kind = StrategyKind::unsorted}, "all alphas are 0: nothing shows");
     leave_out_sorting();

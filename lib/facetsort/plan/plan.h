@@ -24,6 +24,8 @@ struct PlanOptions {
   // Most of a view's covered pixels that may be wrong (differs_visibly()), as a share. Above 0, strategies are measured
   // that are not always right; they are taken where they stay below half of it in every view.
   double error_budget = 0;
+  // Colours are to be added, which needs no order; no material of a scene says so, and budgets are of source-over.
+  bool additive = false;
   // To be drawn: what is made once is only made where it saves more than it takes.
   std::size_t frames = 10000;
   // The views in which strategies are timed and measured: views_around() the box.
