@@ -37,6 +37,7 @@ constexpr std::array package_homes{
     PackageHome{"hwy/", "order", false},         PackageHome{"embree3/", "check", true},
     PackageHome{"OpenImageIO/", "report", true}, PackageHome{"nlohmann/", "report", true},
     PackageHome{"tiny_gltf.h", "presort", true}, PackageHome{"tiny_gltf.h", "scene", false},
+    PackageHome{"nlohmann/", "scene", true},
 };
 // Small enough for every folder, and part of what `order` asks for.
 constexpr std::array packages_for_all{"glm/", "tbb/"};
