@@ -232,6 +232,12 @@ HWY_INLINE void cull_tile(const KeySource& source, const BlockCulling& culling, 
   }
 }
 
+// A vector of ids in a row. (Iota of what is not known beforehand is slow: it writes lane by lane to memory.)
+HWY_INLINE hn::Vec<IdTag> ids_from(std::size_t first) {
+  const IdTag d;
+  return hn::Add(hn::Iota(d, 0), hn::Set(d, static_cast<std::uint32_t>(first)));
+}
+
 // Keys and ids of the facets of a tile that are not culled; the number of them.
 HWY_INLINE std::size_t entries_of_tile(const KeySource& source, const BlockCulling& culling, std::size_t first,
                                        std::size_t count, Tile& tile) {
@@ -239,18 +245,15 @@ HWY_INLINE std::size_t entries_of_tile(const KeySource& source, const BlockCulli
   const IdTag du;
   if (culling.leaves_out_all) return 0;
   signed_keys_of_tile(source, first, count, tile.keys);
-  const auto lane_ids = hn::Iota(du, 0);
-  const auto ids_from = [&](std::size_t i)
-                            HWY_ATTR { return hn::Add(lane_ids, hn::Set(du, static_cast<std::uint32_t>(first + i))); };
   if (!culling.tests_anything()) {
-    for (std::size_t i = 0; i < count; i += hn::Lanes(du)) hn::Store(ids_from(i), du, tile.ids + i);
+    for (std::size_t i = 0; i < count; i += hn::Lanes(du)) hn::Store(ids_from(first + i), du, tile.ids + i);
     return count;
   }
   std::size_t kept = 0;
   cull_tile(source, culling, first, count, [&](std::size_t i, FloatMask keep) HWY_ATTR {
     // In registers, and then stored whole: instructions that store some lanes alone are slow on some processors.
     hn::StoreU(hn::Compress(hn::Load(d, tile.keys + i), keep), d, tile.keys + kept);
-    hn::StoreU(hn::Compress(ids_from(i), hn::RebindMask(du, keep)), du, tile.ids + kept);
+    hn::StoreU(hn::Compress(ids_from(first + i), hn::RebindMask(du, keep)), du, tile.ids + kept);
     kept += hn::CountTrue(d, keep);
   });
   return kept;

@@ -55,19 +55,16 @@ HWY_INLINE std::size_t kept_steps_of_tile(const KeySource& source, const BucketM
   const hn::Rebind<std::uint16_t, FloatTag> d16;
   HWY_ALIGN float keys[tile_facets];
   signed_keys_of_tile(source, first, count, keys);
-  const auto lane_ids = hn::Iota(du, 0);
-  const auto ids_from = [&](std::size_t i)
-                            HWY_ATTR { return hn::Add(lane_ids, hn::Set(du, static_cast<std::uint32_t>(first + i))); };
   if (!culling.tests_anything()) {
     steps_of_tile(keys, count, map, steps);
-    for (std::size_t i = 0; i < count; i += hn::Lanes(du)) hn::StoreU(ids_from(i), du, ids + i);
+    for (std::size_t i = 0; i < count; i += hn::Lanes(du)) hn::StoreU(ids_from(first + i), du, ids + i);
     return count;
   }
   std::size_t kept = 0;
   cull_tile(source, culling, first, count, [&](std::size_t i, FloatMask keep) HWY_ATTR {
     const auto step = steps_of(map, hn::Load(d, keys + i));
     hn::StoreU(hn::DemoteTo(d16, hn::Compress(step, hn::RebindMask(di, keep))), d16, steps + kept);
-    hn::StoreU(hn::Compress(ids_from(i), hn::RebindMask(du, keep)), du, ids + kept);
+    hn::StoreU(hn::Compress(ids_from(first + i), hn::RebindMask(du, keep)), du, ids + kept);
     kept += hn::CountTrue(d, keep);
   });
   return kept;
@@ -77,7 +74,7 @@ std::size_t CountSteps(const KeySource& source, const BucketMap& map, std::size_
                        std::uint16_t* steps, std::uint32_t* ids, std::uint32_t* counts) {
   // Where a loop over what is left of a tile ends can't be foreseen: such loops go over many tiles.
   constexpr std::size_t counted_at_once = 16 * tile_facets;
-  HWY_ALIGN std::uint16_t tile_steps[padded_tile];
+  HWY_ALIGN std::uint16_t tile_steps[tile_facets];
   std::size_t total = 0, counted = 0;
   // Whole tiles: what lies behind those kept is to be written yet, or is left over.
   const auto has_room = [&] HWY_ATTR { return total + tile_facets <= end - begin; };
@@ -86,7 +83,7 @@ std::size_t CountSteps(const KeySource& source, const BucketMap& map, std::size_
     if (total - counted >= counted_at_once) counted = count_fours(steps, counted, total, counts);
   };
   if (source.culls()) {
-    HWY_ALIGN std::uint32_t tile_ids[padded_tile];
+    HWY_ALIGN std::uint32_t tile_ids[tile_facets];
     for_culled_tiles(
         source, begin, end, [&](std::size_t first, std::size_t count, const BlockCulling& culling) HWY_ATTR {
           if (has_room()) {
