@@ -330,7 +330,7 @@ class CycleCutter {
 
   // Takes a component apart by the plane of one of its parts.
   void cut(const Component& component) {
-    constexpr std::size_t most_tried = 24, judged_in_full = 1024, most_judged = 1024, parts_to_share_work = 512;
+    constexpr std::size_t most_tried = 48, judged_in_full = 1024, most_judged = 1024, parts_to_share_work = 512;
     const std::uint32_t count = static_cast<std::uint32_t>(component.parts.size());
     const NodeLists before = reversed(component.behind);
     const std::uint32_t tried_step = static_cast<std::uint32_t>((count + most_tried - 1) / most_tried);

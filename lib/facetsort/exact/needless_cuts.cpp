@@ -159,7 +159,7 @@ class Joiner {
   // path connects them, returns the direction in which all is found, in reached_.
   std::optional<int> search(const std::array<std::uint32_t, 2>& halves) {
     // Where a search takes longer, the cut stays.
-    constexpr std::size_t most_visited = 1 << 15;
+    constexpr std::size_t most_visited = 1 << 22;
     std::size_t visited[2] = {0, 0}, next[2] = {0, 0};
     last_search_ += 2;
     for (const int direction : {forward, backward}) {
