@@ -429,6 +429,32 @@ TEST(Pieces, AreTheSamePictureAndRanksForAnyThreadCount) {
   }
 }
 
+TEST(Pieces, WhoseCutsWereMeasuredBeforeAreTheSamePicture) {
+  std::mt19937 random(10);
+  const CutMesh cut = cut_at_random(load("teapot_1k"), random);
+  const Box box = facet_bounds(cut.mesh().view());
+  const std::vector<std::uint32_t> order = cut.shuffled_draw_ids(random);
+  const std::vector<MeasuredCut> measured = measure_cuts(cut.mesh().view(), cut.pieces());
+  ASSERT_EQ(measured.size(), cut.pieces().cuts.size());
+  constexpr DrawPass plain[] = {{}};
+  // Facets of few pixels, of many, and across the near plane.
+  for (const float radii : {9.0f, 2.0f, 0.3f}) {
+    SCOPED_TRACE(radii);
+    const View view =
+        sized(default_view(box, box.centre() + radii * box.radius() * glm::vec3(0.48f, 0.36f, 0.8f)), 200, 180);
+    const std::vector<glm::vec4> colours = colours_of(cut.mesh(), view);
+    const Image expected = draw(cut, view, order, colours);
+    for (const std::size_t count : {measured.size(), measured.size() / 2}) {
+      Pieces pieces = cut.pieces();
+      pieces.measured = std::span(measured).first(count);
+      Image image;
+      Rasteriser().draw(cut.mesh().view(), view, order, colours, plain, background, PixelFormat::rgba32f, image,
+                        pieces);
+      expect_same_pixels(image, expected);
+    }
+  }
+}
+
 TEST(Pieces, LeftOutOfTheOrderAreNotDrawn) {
   // A square of two triangles; a plane through the middle cuts the first.
   Mesh mesh;

@@ -13,6 +13,16 @@ constexpr std::size_t facets_per_task = 4096;
 // Facets are looked up in draw order, which is all over memory: far enough ahead that they are there when needed.
 constexpr std::size_t prefetch_distance = 32;
 
+// What is known of a piece when it is looked up is where the rest is: half as far ahead.
+void prefetch_piece(const Pieces& pieces, const Piece& piece, const PlacedFacet* facets) {
+  __builtin_prefetch(facets + piece.facet);
+  __builtin_prefetch(pieces.cuts.data() + piece.first_cut);
+  if (piece.first_cut >= pieces.measured.size()) return;
+  const auto* measured = reinterpret_cast<const char*>(pieces.measured.data() + piece.first_cut);
+  __builtin_prefetch(measured);
+  __builtin_prefetch(measured + 64);
+}
+
 // Calls body(row, column, entry) for each tile of a small facet's square that has some of its pixels.
 template <typename Body>
 void for_each_tile_of_square(const PlacedFacet& placed, BinEntry entry, const Body& body) {
@@ -77,6 +87,12 @@ FacetBins::Drawn FacetBins::place_piece(const ProjectedMesh& projected, const Pi
   const PlacedFacet& facet = facets_[piece.facet];
   Drawn drawn{facet, piece.facet, whole_facet};
   if (facet.how() == Coverage::none) return drawn;
+  if (facet.how() == Coverage::known) {
+    const int x = static_cast<int>(facet.x), y = static_cast<int>(facet.y);
+    const PixelSquare pixels = piece_pixels(projected, pieces, piece, facet.facing(), x, y, facet.pixels);
+    drawn.placed = pixels == 0 ? PlacedFacet::nothing() : PlacedFacet::with_pixels(x, y, facet.facing(), pixels);
+    return drawn;
+  }
   const std::size_t first_cut = chunk.cuts.size();
   const PixelBox box = chunk.clipper.clip(projected, pieces, piece, facet.box(), chunk.cuts);
   const std::size_t count = chunk.cuts.size() - first_cut;
@@ -105,7 +121,13 @@ void FacetBins::place(const ProjectedMesh& projected, std::span<const std::uint3
   Drawn* next = drawn_.data() + begin;
   for (std::size_t k = begin; k < end; ++k) {
     const std::uint32_t ahead = order[std::min(k + prefetch_distance, end - 1)];
-    if (ahead < facet_count) __builtin_prefetch(&facets_[ahead]);
+    const std::uint32_t nearer = order[std::min(k + prefetch_distance / 2, end - 1)];
+    if (ahead < facet_count) {
+      __builtin_prefetch(&facets_[ahead]);
+    } else {
+      __builtin_prefetch(&pieces.pieces[ahead - facet_count]);
+    }
+    if (nearer >= facet_count) prefetch_piece(pieces, pieces.pieces[nearer - facet_count], facets_.data());
     const std::uint32_t id = order[k];
     *next = id < facet_count ? Drawn{facets_[id], id, whole_facet}
                              : place_piece(projected, pieces, pieces.pieces[id - facet_count], chunk_index);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 
 #include "facetsort/base/parallel.h"
@@ -119,8 +120,9 @@ bool is_on_side(const ProjectedMesh& projected, std::uint32_t facet, int facing,
                 const EdgeValues& edges, int x, int y) {
   double value = 0, error = 0;
   for (int i = 0; i < 3; ++i) {
-    value += edges.value[i] * cut.volume[i];
-    error += cut_term_error(std::abs(edges.value[i]), edges.error[i], cut.volume[i], cut.error);
+    const MeasuredCut& measured = cut.measured;
+    value += edges.value[i] * measured.volume[i];
+    error += cut_term_error(std::abs(edges.value[i]), edges.error[i], measured.volume[i], measured.error);
   }
   if (std::abs(value) > error) return value > 0;
   const EdgeSigns signs =
@@ -130,6 +132,11 @@ bool is_on_side(const ProjectedMesh& projected, std::uint32_t facet, int facing,
   const int side = -facing * shifted_sign(signs);
   // A facet that lies in the plane is on its positive side, so that one of the two sides has it.
   return (side != 0 ? side : 1) == cut.side;
+}
+
+MeasuredCut measured_cut(const MeshView& mesh, const Pieces& pieces, const Piece& piece, std::size_t cut) {
+  if (cut < pieces.measured.size()) return pieces.measured[cut];
+  return measure_cut(mesh, piece.facet, pieces.plane_of(pieces.cuts[cut], mesh.triangles), pieces.cuts[cut].side);
 }
 
 }  // namespace
@@ -193,9 +200,9 @@ FacetEdges facet_edges(const ProjectedMesh& projected, std::uint32_t facet, int 
   return edges;
 }
 
-FacetCut facet_cut(const MeshView& mesh, std::uint32_t facet, const CutPlane& plane, std::int32_t side) {
+MeasuredCut measure_cut(const MeshView& mesh, std::uint32_t facet, const CutPlane& plane, std::int32_t side) {
   const PlanePoints points = points_of(mesh, plane);
-  FacetCut made{{}, 0, plane, side};
+  MeasuredCut made{{}, 0};
   double largest = 0;
   for (int i = 0; i < 3; ++i) {
     const SignedVolume volume = signed_volume(points, mesh.corner(facet, i));
@@ -210,7 +217,7 @@ FacetCut facet_cut(const MeshView& mesh, std::uint32_t facet, const CutPlane& pl
   return made;
 }
 
-CutLine cut_line(const FacetEdges& edges, const FacetCut& cut, double extent) {
+CutLine cut_line(const FacetEdges& edges, const MeasuredCut& cut, double extent) {
   CutLine line{0, 0, 0, 0};
   for (int i = 0; i < 3; ++i) {
     line.a += edges.a[i] * cut.volume[i];
@@ -267,6 +274,43 @@ PixelBox facet_pixels(const ProjectedMesh& projected, std::uint32_t facet) {
   return box;
 }
 
+PixelSquare piece_pixels(const ProjectedMesh& projected, const Pieces& pieces, const Piece& piece, int facing, int x,
+                         int y, PixelSquare facet_pixels) {
+  constexpr double extent = square_size - 1;
+  const FacetEdges edges = facet_edges(projected, piece.facet, facing, {x + 0.5, y + 0.5}, extent);
+  PixelSquare covered = facet_pixels;
+  for (std::size_t i = piece.first_cut; i < piece.first_cut + piece.cut_count && covered != 0; ++i) {
+    const MeasuredCut measured = measured_cut(projected.mesh, pieces, piece, i);
+    const CutLine line = cut_line(edges, measured, extent);
+    for (PixelSquare left = covered; left != 0; left &= left - 1) {
+      const int bit = std::countr_zero(left), column = bit % square_size, row = bit / square_size;
+      const double value = line.a * column + line.b * row + line.c;
+      bool is_inside = value > 0;
+      if (std::abs(value) <= line.error) {
+        const Cut& cut = pieces.cuts[i];
+        is_inside = is_on_side(
+            projected, piece.facet, facing, {measured, pieces.plane_of(cut, projected.mesh.triangles), cut.side},
+            edges_at_pixel(projected, piece.facet, facing, x + column, y + row), x + column, y + row);
+      }
+      if (!is_inside) covered &= ~(PixelSquare{1} << bit);
+    }
+  }
+  return covered;
+}
+
+// Of a cut at the polygon's corners; returns the lowest and the highest.
+std::pair<double, double> PieceClipper::find_values(const MeasuredCut& cut) {
+  const glm::dvec3 volume(cut.volume[0], cut.volume[1], cut.volume[2]);
+  double lowest = INFINITY, highest = -INFINITY;
+  values_.resize(polygon_.size());
+  for (std::size_t i = 0; i < polygon_.size(); ++i) {
+    values_[i] = glm::dot(volume, polygon_[i]);
+    lowest = std::min(lowest, values_[i]);
+    highest = std::max(highest, values_[i]);
+  }
+  return {lowest, highest};
+}
+
 // Leaves of the polygon what has a value of at least `lowest_kept` (Sutherland and Hodgman 1974, "Reentrant Polygon
 // Clipping").
 void PieceClipper::cut_off_below(double lowest_kept) {
@@ -288,20 +332,17 @@ PixelBox PieceClipper::clip(const ProjectedMesh& projected, const Pieces& pieces
   constexpr double clip_margin = 0x1p-20;
   const std::size_t kept_before = kept.size();
   polygon_ = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  for (const Cut& cut : pieces.cuts_of(piece)) {
-    const FacetCut measured =
-        facet_cut(projected.mesh, piece.facet, pieces.plane_of(cut, projected.mesh.triangles), cut.side);
-    const glm::dvec3 volume(measured.volume[0], measured.volume[1], measured.volume[2]);
+  for (std::size_t i = piece.first_cut; i < piece.first_cut + piece.cut_count; ++i) {
+    const MeasuredCut measured = measured_cut(projected.mesh, pieces, piece, i);
     const double margin = std::max(clip_margin, 2 * measured.error);
-    values_.clear();
-    for (const glm::dvec3& weights : polygon_) values_.push_back(glm::dot(volume, weights));
-    const auto [lowest, highest] = std::minmax_element(values_.begin(), values_.end());
-    if (*highest < -margin) {
+    const auto [lowest, highest] = find_values(measured);
+    if (highest < -margin) {
       kept.resize(kept_before);
       return {};
     }
-    if (*lowest > margin) continue;
-    kept.push_back(measured);
+    if (lowest > margin) continue;
+    const Cut& cut = pieces.cuts[i];
+    kept.push_back({measured, pieces.plane_of(cut, projected.mesh.triangles), cut.side});
     cut_off_below(-margin);
   }
   // Where the facet crosses the near plane its corners need not be in front of the eye.

@@ -82,21 +82,21 @@ int facet_facing(const ProjectedMesh& projected, std::uint32_t facet);
 FacetEdges facet_edges(const ProjectedMesh& projected, std::uint32_t facet, int facing, const glm::dvec2& origin,
                        double extent);
 
-// One cut of one facet: the plane's value at corner i is volume[i], within `error`, the piece's side being positive.
-// Scaled by a power of two: the largest magnitude lies in [1/2, 1), unless all are 0. The same for every view.
+// One cut of one facet: the plane's value at corner i is measured.volume[i]. Scaled by a power of two: the largest
+// magnitude lies in [1/2, 1), unless all are 0. The same for every view.
 struct FacetCut {
-  double volume[3], error;
+  MeasuredCut measured;
   CutPlane plane;
   std::int32_t side;
 };
-FacetCut facet_cut(const MeshView& mesh, std::uint32_t facet, const CutPlane& plane, std::int32_t side);
+MeasuredCut measure_cut(const MeshView& mesh, std::uint32_t facet, const CutPlane& plane, std::int32_t side);
 
 // A cut's edge function in the coordinates of `edges`, positive on the piece's side, and the bound on its rounding
 // within `extent`, the one that `edges` was asked for.
 struct CutLine {
   double a, b, c, error;
 };
-CutLine cut_line(const FacetEdges& edges, const FacetCut& cut, double extent);
+CutLine cut_line(const FacetEdges& edges, const MeasuredCut& cut, double extent);
 
 // Whether the facet, or the piece of it that `cuts` leave, covers the pixel (x, y). Exact. Precondition as above.
 bool covers_pixel(const ProjectedMesh& projected, std::uint32_t facet, int facing, std::span<const FacetCut> cuts,
@@ -111,6 +111,14 @@ struct PixelBox {
 };
 PixelBox facet_pixels(const ProjectedMesh& projected, std::uint32_t facet);
 
+// Pixels of something small: bit 8 r + c stands for column c of row r of a square of eight by eight.
+using PixelSquare = std::uint64_t;
+inline constexpr int square_size = 8;
+
+// Of the pixels that a facet covers, in the square from (x, y) on, those that a piece of it does. Exact.
+PixelSquare piece_pixels(const ProjectedMesh& projected, const Pieces& pieces, const Piece& piece, int facing, int x,
+                         int y, PixelSquare facet_pixels);
+
 // Finds which of a piece's cuts matter, and where. Keeps its scratch.
 class PieceClipper {
  public:
@@ -121,6 +129,7 @@ class PieceClipper {
                 std::vector<FacetCut>& kept);
 
  private:
+  std::pair<double, double> find_values(const MeasuredCut& cut);
   void cut_off_below(double lowest_kept);
 
   std::vector<glm::dvec3> polygon_, clipped_;  // corners, as weights of the facet's

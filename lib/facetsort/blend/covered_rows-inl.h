@@ -147,7 +147,7 @@ struct TileLines {
         largest_error = 4 * tile_size;  // no float value is certain
         return true;
       }
-      const CutLine line = cut_line(exact, cut, tile_size);
+      const CutLine line = cut_line(exact, cut.measured, tile_size);
       const double line_error = set_up_line(line.a, line.b, line.c, line.error);
       const float bound = 2 * float_bound(line_error);
       const auto [lowest, highest] = range(entry);

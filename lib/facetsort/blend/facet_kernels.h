@@ -20,10 +20,6 @@ enum class Coverage : std::uint32_t {
   homogeneous,  // by homogeneous edge functions: pieces, and facets with a corner off the grid or in doubtful facing
 };
 
-// Pixels of a small facet: bit 8 r + c stands for column c of row r of a square of eight by eight.
-using PixelSquare = std::uint64_t;
-inline constexpr int square_size = 8;
-
 // The first `count` columns, or rows, of a square; 0 <= count <= 8.
 inline PixelSquare first_columns(int count) {
   return 0x0101010101010101u * ((1u << count) - 1u);

@@ -37,7 +37,7 @@ class DrawnParts {
       parts_[cursors[facet]++] = {rank, cuts_.size(), piece.cut_count};
       for (const Cut& cut : pieces.cuts_of(piece)) {
         const CutPlane plane = pieces.plane_of(cut, mesh.triangles);
-        cuts_.push_back(blend_internal::facet_cut(mesh, facet, plane, cut.side));
+        cuts_.push_back({blend_internal::measure_cut(mesh, facet, plane, cut.side), plane, cut.side});
       }
     }
   }

@@ -18,7 +18,7 @@ namespace {
 
 using blend_internal::DepthRange;
 
-constexpr std::size_t facets_per_task = 16384;
+constexpr std::size_t facets_per_task = 16384, pieces_per_task = 1024;
 constexpr std::size_t pixels_per_tile = blend_internal::tile_size * blend_internal::tile_size;
 
 static_assert(most_depth_samples == blend_internal::SampleMasks::most_samples);
@@ -74,6 +74,19 @@ int passes_of(OrderIndependent method) {
 }
 
 }  // namespace
+
+std::vector<MeasuredCut> measure_cuts(const MeshView& mesh, const Pieces& pieces) {
+  std::vector<MeasuredCut> measured(pieces.cuts.size());
+  parallel_ranges(pieces.pieces.size(), pieces_per_task, [&](std::size_t begin, std::size_t end) {
+    for (const Piece& piece : pieces.pieces.subspan(begin, end - begin)) {
+      for (std::size_t i = piece.first_cut; i < piece.first_cut + piece.cut_count; ++i) {
+        const Cut& cut = pieces.cuts[i];
+        measured[i] = blend_internal::measure_cut(mesh, piece.facet, pieces.plane_of(cut, mesh.triangles), cut.side);
+      }
+    }
+  });
+  return measured;
+}
 
 struct Rasteriser::Scratch {
   blend_internal::ProjectedMesh projected;

@@ -73,6 +73,10 @@ struct DrawStatistics {
   int passes = 0;                // over the geometry
 };
 
+// For Pieces::measured, where pieces are drawn in several views: all of their cuts, 32 bytes each. Pictures are the
+// same without. Parallel in the caller's task arena.
+std::vector<MeasuredCut> measure_cuts(const MeshView& mesh, const Pieces& pieces);
+
 // Draws meshes into pictures. Coverage is exact and watertight: a facet covers a pixel if and only if the ray through
 // the pixel's centre meets it, edges and corners by the top-left rule, so facets that share an edge cover each pixel
 // exactly once, and so do the pieces of a facet (homogeneous edge functions as in Olano and Greer 1997, "Triangle Scan

@@ -4,6 +4,7 @@
 #include <cassert>
 #include <numeric>
 
+#include "facetsort/base/memory.h"
 #include "facetsort/base/parallel.h"
 #include "facetsort/blend/coverage.h"
 #include "facetsort/blend/shading.h"
@@ -135,6 +136,7 @@ struct StrategyRenderer::State {
   std::vector<DrawPass> passes;
   std::optional<Sorter> sorter;
   std::optional<ExactSorter> exact_sorter;
+  std::vector<MeasuredCut> measured_cuts;  // of the pieces there are before a view is seen
   const IndexBuffers* buffers = nullptr;
   glm::vec3 centre{0};                     // from which their directions are
   bool needs_index_order = false;          // as its order
@@ -156,6 +158,7 @@ struct StrategyRenderer::State {
   Pieces pieces() const {
     if (!exact_sorter) return {};
     Pieces pieces = exact_sorter->pieces();
+    pieces.measured = measured_cuts;
     if (has_batches()) pieces.cuts = drawn_cuts;
     return pieces;
   }
@@ -258,6 +261,7 @@ StrategyRenderer::StrategyRenderer(const MeshView& mesh, const Strategy& strateg
   } else if (strategy.kind != StrategyKind::reference) {
     state_->needs_index_order = true;
   }
+  if (state_->exact_sorter) state_->measured_cuts = measure_cuts(sorted, state_->exact_sorter->pieces());
   if (strategy.kind == StrategyKind::draw_order) state_->object_order.emplace(*scene.scene, scene.objects);
   if (state_->needs_index_order || state_->has_opaque() || strategy.kind == StrategyKind::draw_order) {
     state_->index_order.resize(mesh.facet_count());
@@ -409,7 +413,7 @@ std::size_t StrategyRenderer::triangles() const {
 }
 
 std::size_t StrategyRenderer::prepared_bytes() const {
-  if (state_->exact_sorter) return state_->exact_sorter->prepared_bytes();
+  if (state_->exact_sorter) return state_->exact_sorter->prepared_bytes() + bytes_of(state_->measured_cuts);
   if (state_->buffers != nullptr) {
     const IndexBuffers& buffers = *state_->buffers;
     return buffers.facets.size() * sizeof(buffers.facets[0]) +

@@ -35,6 +35,12 @@ struct Piece {
   std::uint32_t first_cut, cut_count;  // in Pieces::cuts
 };
 
+// How far the corners of a facet are from the plane of a cut of it, for drawing; see measure_cuts(). Positive on the
+// piece's side, up to a positive factor that all three have in common; each is within `error`.
+struct MeasuredCut {
+  double volume[3], error;
+};
+
 // What an order of a mesh with cut facets draws: draw id i below the mesh's facet count is facet i, whole; draw id
 // facet count + i is pieces[i]. A cut's plane p below the facet count is that of facet p, which has area; plane facet
 // count + i is planes[i].
@@ -42,6 +48,8 @@ struct Pieces {
   std::span<const Piece> pieces;
   std::span<const Cut> cuts;
   std::span<const CutPlane> planes;
+  // Of the first of `cuts`, as many as there are; the others are measured when they are drawn.
+  std::span<const MeasuredCut> measured = {};
 
   std::span<const Cut> cuts_of(const Piece& piece) const { return cuts.subspan(piece.first_cut, piece.cut_count); }
   CutPlane plane_of(const Cut& cut, std::span<const glm::uvec3> triangles) const {
