@@ -2,6 +2,7 @@
 // eye (Fuchs, Kedem and Naylor 1980, "On Visible Surface Generation by A Priori Tree Structures").
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
@@ -48,6 +49,11 @@ struct OrderTree {
   }
   std::span<const Halving> halvings_of(const Node& node) const {
     return std::span(halvings).subspan(node.first_halving, node.halving_count);
+  }
+  // That begins with a node.
+  const Subtree& subtree_at(std::uint32_t first_node) const {
+    return *std::lower_bound(subtrees.begin(), subtrees.end(), first_node,
+                             [](const Subtree& subtree, std::uint32_t node) { return subtree.first_node < node; });
   }
   // Nodes that are in no subtree.
   std::size_t top_nodes() const { return subtrees.empty() ? nodes.size() : subtrees.front().first_node; }

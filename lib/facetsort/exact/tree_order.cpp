@@ -1,8 +1,9 @@
 #include "facetsort/exact/tree_order.h"
 
+#include <tbb/parallel_invoke.h>
+
 #include <utility>
 
-#include "facetsort/base/parallel.h"
 #include "facetsort/exact/predicates.h"
 
 namespace facetsort::exact_internal {
@@ -43,34 +44,36 @@ void RejoinedOrder::rejoin(const TreeWalk& walk, Rejoining& rejoining, std::size
   }
 }
 
-void RejoinedOrder::find(TreeWalk& walk, const Relation& relation, const Screen& screen, const Elements& elements,
-                         std::vector<std::uint32_t>& order) {
+// All below a node, and then its own halvings: what is on its two sides takes no part in each other's.
+void RejoinedOrder::find_below(const View& view, std::uint32_t node) {
+  if (node == OrderTree::none) return;
+  TreeWalk& walk = view.walk;
   const OrderTree& tree = walk.tree();
-  walk.look(screen.viewpoint().eye);
-  row_.resize(screen, walk.places(), elements.count());
-  const auto work = [&](const auto& body) {
+  const std::size_t begin = walk.first_place(node);
+  const auto rejoin_nodes = [&](std::size_t first_node, std::size_t node_count) {
     RejoiningScratch& scratch = scratch_.local();
     const unsigned long long fallbacks = exact_fallbacks();
-    Rejoining rejoining(relation, screen, elements, row_, moving_, scratch);
-    body(rejoining);
+    Rejoining rejoining(view.relation, view.screen, view.elements, row_, moving_, scratch);
+    rejoin(walk, rejoining, first_node, node_count);
     scratch.counts.fallbacks += exact_fallbacks() - fallbacks;
   };
-  for (std::size_t i = 0; i < tree.top_nodes(); ++i) {
-    const std::size_t begin = walk.first_place(i);
-    fill(walk, i, 1, begin, begin + walk.reserved(tree.nodes[i].member_count));
+  if (node >= tree.top_nodes()) {
+    const OrderTree::Subtree& subtree = tree.subtree_at(node);
+    walk.look_below(subtree);
+    fill(walk, node, subtree.node_count, begin, begin + walk.places_below(node));
+    return rejoin_nodes(node, subtree.node_count);
   }
-  parallel_ranges(tree.subtrees.size(), 1, [&](std::size_t first, std::size_t last) {
-    work([&](Rejoining& rejoining) {
-      for (std::size_t i = first; i < last; ++i) {
-        const OrderTree::Subtree& subtree = tree.subtrees[i];
-        const std::size_t begin = walk.first_place(subtree.first_node);
-        walk.look_below(subtree);
-        fill(walk, subtree.first_node, subtree.node_count, begin, begin + walk.places_below(subtree.first_node));
-        rejoin(walk, rejoining, subtree.first_node, subtree.node_count);
-      }
-    });
-  });
-  work([&](Rejoining& rejoining) { rejoin(walk, rejoining, 0, tree.top_nodes()); });
+  fill(walk, node, 1, begin, begin + walk.reserved(tree.nodes[node].member_count));
+  tbb::parallel_invoke([&] { find_below(view, tree.nodes[node].front); },
+                       [&] { find_below(view, tree.nodes[node].back); });
+  rejoin_nodes(node, 1);
+}
+
+void RejoinedOrder::find(TreeWalk& walk, const Relation& relation, const Screen& screen, const Elements& elements,
+                         std::vector<std::uint32_t>& order) {
+  walk.look(screen.viewpoint().eye);
+  row_.resize(screen, walk.places(), elements.count());
+  if (!walk.tree().nodes.empty()) find_below({walk, relation, screen, elements}, 0);
 
   counts_ = {};
   for (RejoiningScratch& scratch : scratch_) {
