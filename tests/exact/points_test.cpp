@@ -235,6 +235,28 @@ TEST_P(PointSigns, PositionsAreWithinTheirErrors) {
   }
 }
 
+TEST_P(PointSigns, CoincideWhereRationalArithmeticSaysSo) {
+  const Mesh mesh = with_area(GetParam().make());
+  const PointSpace space = space_of(mesh.view());
+  Points points(space);
+  const std::vector<PointId> ids = make_points(points, 150);
+  const Oracle oracle(points);
+  std::vector<Exact> exact;
+  for (const PointId id : ids) exact.push_back(oracle.point(id));
+  const std::vector<PointId> same = identify_points(points);
+  std::size_t coincide = 0;
+  for (std::size_t i = 0; i < ids.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      const bool is_same = exact[i] == exact[j];
+      ASSERT_EQ(points.coincide(ids[i], ids[j]), is_same);
+      ASSERT_EQ(same[ids[i]] == same[ids[j]], is_same);
+      coincide += is_same;
+    }
+  }
+  // Parts that a plane leaves side by side are cut by the next one in the same points.
+  EXPECT_GT(coincide, 0u);
+}
+
 // Two planes through one line meet an edge in the same point, and so does the edge with that line's facets.
 TEST(Points, RoundToTheSameBitsHoweverDefined) {
   std::mt19937 random(7);
@@ -255,6 +277,9 @@ TEST(Points, RoundToTheSameBitsHoweverDefined) {
     const PointId of_planes = points.add({PointDefinition::three_planes, 0, 1, 2});
     EXPECT_EQ(points.rounded(on_edge), points.rounded(other_plane));
     EXPECT_EQ(points.rounded(on_edge), points.rounded(of_planes));
+    EXPECT_TRUE(points.coincide(on_edge, other_plane) && points.coincide(of_planes, on_edge));
+    const std::vector<PointId> same = identify_points(points);
+    EXPECT_TRUE(same[other_plane] == on_edge && same[of_planes] == on_edge && same[on_edge] == on_edge);
     EXPECT_EQ(points.orientation(0, 1, of_planes, 5), 0);
     EXPECT_EQ(points.side(0, of_planes), 0);
   }

@@ -7,9 +7,11 @@
 #include <bit>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <utility>
 
 #include "facetsort/base/parallel.h"
+#include "facetsort/exact/positions.h"
 
 namespace facetsort::exact_internal {
 namespace {
@@ -96,6 +98,7 @@ class Builder {
     e.first_corner.assign(1, 0);
     e.first_extra_patch.assign(1, 0);
     e.element_of_draw_id.assign(facets() + pieces_.parts.size(), no_element);
+    const std::vector<PointId> same = identify_points(points_);
     std::vector<std::uint32_t> slot_of(points_.size(), no_element);
     for (std::uint32_t i = 0; i < count; ++i) {
       const std::uint32_t part = parts[i];
@@ -103,12 +106,13 @@ class Builder {
       e.draw_id[i] = part;
       e.element_of_draw_id[part] = i;
       for_each_corner(points_, pieces_, part, [&](PointId point) {
-        if (slot_of[point] == no_element) {
-          slot_of[point] = static_cast<std::uint32_t>(e.slot_point.size());
-          e.slot_point.push_back(point);
+        std::uint32_t& slot = slot_of[same[point]];
+        if (slot == no_element) {
+          slot = static_cast<std::uint32_t>(e.slot_point.size());
+          e.slot_point.push_back(same[point]);
         }
         e.corner_point.push_back(point);
-        e.corner_slot.push_back(slot_of[point]);
+        e.corner_slot.push_back(slot);
       });
       e.first_corner.push_back(static_cast<std::uint32_t>(e.corner_point.size()));
       const auto corners = static_cast<std::uint32_t>(e.corners(i).size());
@@ -224,8 +228,8 @@ class Builder {
 
 std::size_t Elements::memory_bytes() const {
   return bytes_of(facet, draw_id, has_area, plane, longest_edge_squared, first_corner, corner_point, corner_slot,
-                  first_extra_patch, slot_blocks, outline_ids, slot_point, slot_position, fan_begin, fan_element,
-                  element_of_draw_id);
+                  corner_line, slot_line_begin, slot_line, first_extra_patch, slot_blocks, outline_ids, slot_point,
+                  slot_position, fan_begin, fan_element, element_of_draw_id);
 }
 
 Elements make_elements(const Points& points, const PartList& pieces, const std::vector<unsigned char>& degenerate,
@@ -233,12 +237,71 @@ Elements make_elements(const Points& points, const PartList& pieces, const std::
   return Builder(points, pieces, degenerate).build(parts, with_fans);
 }
 
+namespace {
+
+// The line of an edge: two vertices, or two planes and a bit that tells them from vertices.
+using LineKey = std::uint64_t;
+
+LineKey key_of(std::uint32_t a, std::uint32_t b) {
+  return LineKey{std::min(a, b)} << 32 | std::max(a, b);
+}
+
+LineKey key_of_planes(const Points& points, PlaneId a, PlaneId b) {
+  return key_of(points.same_plane(a), points.same_plane(b)) | LineKey{1} << 63;
+}
+
+// Calls visit(key) for lines through a point that was made, as its definition has them.
+template <typename Visit>
+void for_each_line_of(const Points& points, const PointDefinition& definition, const Visit& visit) {
+  const auto [kind, a, b, c] = definition;
+  if (kind == PointDefinition::three_planes) {
+    visit(key_of_planes(points, a, b));
+    visit(key_of_planes(points, b, c));
+    visit(key_of_planes(points, a, c));
+    return;
+  }
+  visit(key_of(a, b));
+  for (const FacetId facet : points.space().facets_around(a)) {
+    const auto is_corner = [&](int i) { return points.space().corner(facet, i) == b; };
+    if (is_corner(0) || is_corner(1) || is_corner(2)) visit(key_of_planes(points, facet, c));
+  }
+}
+
+// The lines of edges that are known to go through a slot, each once: of edges that begin or end there, and by how its
+// points are defined.
+void list_lines_of_slots(const Points& points, std::span<const LineKey> lines, Elements& elements) {
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> pairs;  // slot, line
+  pairs.reserve(2 * elements.corner_slot.size());
+  std::vector<unsigned char> is_listed(points.size());
+  for (std::uint32_t i = 0; i < elements.count(); ++i) {
+    const auto slots = elements.slots(i), edges = elements.lines(i);
+    const auto corners = elements.corners(i);
+    for (std::size_t k = 0; k < slots.size(); ++k) {
+      pairs.push_back({slots[k], edges[k]});
+      pairs.push_back({slots[k + 1 == slots.size() ? 0 : k + 1], edges[k]});
+      if (points.is_vertex(corners[k]) || std::exchange(is_listed[corners[k]], 1) != 0) continue;
+      for_each_line_of(points, points.definition(corners[k]), [&](LineKey key) {
+        const auto found = std::lower_bound(lines.begin(), lines.end(), key);
+        if (found == lines.end() || *found != key) return;
+        pairs.push_back({slots[k], static_cast<std::uint32_t>(found - lines.begin())});
+      });
+    }
+  }
+  tbb::parallel_sort(pairs);
+  pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+  elements.slot_line_begin.assign(elements.slot_point.size() + 1, 0);
+  for (const auto& [slot, line] : pairs) {
+    ++elements.slot_line_begin[slot + 1];
+    elements.slot_line.push_back(line);
+  }
+  std::partial_sum(elements.slot_line_begin.begin(), elements.slot_line_begin.end(), elements.slot_line_begin.begin());
+}
+
+}  // namespace
+
 void find_outline_ids(const Points& points, const PartList& pieces, Elements& elements) {
   const PointSpace& space = points.space();
   const std::size_t facets = space.mesh.facet_count();
-  // The line of an edge: two vertices, or two planes and a bit that tells them from vertices.
-  using LineKey = std::uint64_t;
-  const auto key_of = [](std::uint32_t a, std::uint32_t b) { return LineKey{std::min(a, b)} << 32 | std::max(a, b); };
   std::vector<LineKey> line_of_edge(elements.corner_slot.size());
   parallel_ranges(elements.count(), elements_per_task, [&](std::size_t begin, std::size_t end) {
     for (std::size_t i = begin; i < end; ++i) {
@@ -254,7 +317,7 @@ void find_outline_ids(const Points& points, const PartList& pieces, Elements& el
           const auto [a, b] = edge_vertices(space, piece.facet, corner.line);
           *line++ = key_of(a, b);
         } else {
-          *line++ = key_of(points.same_plane(piece.facet), points.same_plane(corner.line)) | LineKey{1} << 63;
+          *line++ = key_of_planes(points, piece.facet, corner.line);
         }
       }
     }
@@ -264,12 +327,12 @@ void find_outline_ids(const Points& points, const PartList& pieces, Elements& el
   lines.erase(std::unique(lines.begin(), lines.end()), lines.end());
 
   elements.outline_ids.resize(elements.count() + elements.first_extra_patch.back());
+  elements.corner_line.resize(line_of_edge.size());
   parallel_ranges(elements.count(), elements_per_task, [&](std::size_t begin, std::size_t end) {
-    std::vector<std::uint32_t> line;
     for (std::size_t i = begin; i < end; ++i) {
       const auto slots = elements.slots(static_cast<std::uint32_t>(i));
       const std::size_t count = slots.size();
-      line.resize(count);
+      const std::span line = std::span(elements.corner_line).subspan(elements.first_corner[i], count);
       for (std::size_t k = 0; k < count; ++k) {
         const LineKey key = line_of_edge[elements.first_corner[i] + k];
         line[k] = static_cast<std::uint32_t>(std::lower_bound(lines.begin(), lines.end(), key) - lines.begin());
@@ -286,6 +349,7 @@ void find_outline_ids(const Points& points, const PartList& pieces, Elements& el
       });
     }
   });
+  list_lines_of_slots(points, lines, elements);
 }
 
 std::vector<std::uint32_t> parts_to_draw(const PartList& pieces, std::size_t facet_count) {

@@ -20,7 +20,7 @@ namespace facetsort::exact_internal {
 
 inline constexpr std::uint32_t no_element = 0xffffffffu;
 
-// Whole facets and pieces. Points are renumbered by first use as slots.
+// Whole facets and pieces. Points are renumbered by first use as slots; those that coincide share one.
 struct Elements {
   std::size_t count() const { return facet.size(); }
   std::span<const PointId> corners(std::uint32_t element) const {
@@ -28,6 +28,16 @@ struct Elements {
   }
   std::span<const std::uint32_t> slots(std::uint32_t element) const {
     return std::span(corner_slot).subspan(first_corner[element], first_corner[element + 1] - first_corner[element]);
+  }
+  // Of the edges that begin at the corners, numbered; none where they were not asked for.
+  std::span<const std::uint32_t> lines(std::uint32_t element) const {
+    if (corner_line.empty()) return {};
+    return std::span(corner_line).subspan(first_corner[element], first_corner[element + 1] - first_corner[element]);
+  }
+  // Whether a slot is known to lie on one of these lines.
+  bool is_on_line(std::uint32_t slot, std::uint32_t line) const {
+    const auto begin = slot_line.begin() + slot_line_begin[slot], end = slot_line.begin() + slot_line_begin[slot + 1];
+    return std::find(begin, end, line) != end;
   }
   bool is_whole(std::size_t element) const { return draw_id[element] == facet[element]; }
   std::size_t memory_bytes() const;
@@ -44,6 +54,8 @@ struct Elements {
   std::vector<std::uint32_t> first_corner;  // count() + 1
   std::vector<PointId> corner_point;
   std::vector<std::uint32_t> corner_slot;
+  std::vector<std::uint32_t> corner_line;                 // see lines()
+  std::vector<std::uint32_t> slot_line_begin, slot_line;  // slots + 1 begins, see is_on_line()
   std::vector<std::uint32_t> first_extra_patch;  // count() + 1: patches of those with more than four corners
 
   std::vector<SlotBlock> slot_blocks;
@@ -78,7 +90,7 @@ void for_each_patch(const Elements& elements, std::uint32_t element, const Visit
   for (std::uint32_t extra = first; extra < last; ++extra) visit(elements.count() + extra, corners(extra - first));
 }
 
-// Fills in outline_ids.
+// Fills in outline_ids and the lines of edges.
 void find_outline_ids(const Points& points, const PartList& pieces, Elements& elements);
 
 // Draw ids of all facets that have no pieces, and all pieces.

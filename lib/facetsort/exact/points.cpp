@@ -297,6 +297,18 @@ glm::vec3 Points::rounded(PointId point) const {
   return exact_position(coordinates_of(*this, point));
 }
 
+bool Points::coincide(PointId a, PointId b) const {
+  if (a == b) return true;
+  const glm::dvec3 difference = glm::abs(position(a) - position(b));
+  const double bound = 1.0001 * (error(a) + error(b));  // and the difference's own rounding
+  if (difference.x > bound || difference.y > bound || difference.z > bound) return false;
+  ++fallback_count;
+  const std::array both = {coordinates_of(*this, a), coordinates_of(*this, b)};
+  const int exponent = lowest_exponent(both);
+  const ExactPoint p = exact_point(both[0], exponent), q = exact_point(both[1], exponent);
+  return q.w * p.p.x == p.w * q.p.x && q.w * p.p.y == p.w * q.p.y && q.w * p.p.z == p.w * q.p.z;
+}
+
 // A vertex of the plane, or of a facet in it.
 bool Points::known_vertex_in_plane(PointId vertex, PlaneId plane) const {
   const CutPlane defining = this->plane(plane);

@@ -101,6 +101,8 @@ class Points {
   // The point rounded to float32: the same bits wherever the point is the same, however it is defined.
   glm::vec3 rounded(PointId point) const;
 
+  // Whether two are the same point, exactly: cuts of several facets may define one in several ways.
+  bool coincide(PointId a, PointId b) const;
   // Sign of det[b - a, c - a, d - a], exactly.
   int orientation(PointId a, PointId b, PointId c, PointId d) const;
   // The same with the eye for d: which way round a, b, c are seen, +1 for counter-clockwise.

@@ -71,9 +71,10 @@ class Screen {
   template <std::size_t a_extent, std::size_t b_extent>
   Seen compare_parts(std::span<const std::uint32_t, a_extent> a_slots, int a_facing,
                      std::span<const std::uint32_t, b_extent> b_slots, int b_facing, int behind) const;
-  template <std::size_t a_extent, std::size_t b_extent>
+  template <std::size_t a_extent, std::size_t b_extent, typename IsOnLine>
   Seen::Overlap overlap_of(std::span<const std::uint32_t, a_extent> a_slots, int a_facing,
-                           std::span<const std::uint32_t, b_extent> b_slots, int b_facing) const;
+                           std::span<const std::uint32_t> a_lines, std::span<const std::uint32_t, b_extent> b_slots,
+                           int b_facing, std::span<const std::uint32_t> b_lines, const IsOnLine& is_on_line) const;
   void choose_projection(const Elements& elements, const Eye& eye);
   void see_points(const Elements& elements);
   void place_elements(const Points& points, const Elements& elements, std::vector<float>& keys);
