@@ -253,8 +253,8 @@ LineKey key_of_planes(const Points& points, PlaneId a, PlaneId b) {
 // Calls visit(key) for lines through a point that was made, as its definition has them.
 template <typename Visit>
 void for_each_line_of(const Points& points, const PointDefinition& definition, const Visit& visit) {
-  const auto [kind, a, b, c] = definition;
-  if (kind == PointDefinition::three_planes) {
+  const std::uint32_t a = definition.a, b = definition.b, c = definition.c;
+  if (definition.kind == PointDefinition::three_planes) {
     visit(key_of_planes(points, a, b));
     visit(key_of_planes(points, b, c));
     visit(key_of_planes(points, a, c));
