@@ -19,8 +19,8 @@ void prefetch_piece(const Pieces& pieces, const Piece& piece, const PlacedFacet*
   __builtin_prefetch(pieces.cuts.data() + piece.first_cut);
   if (piece.first_cut >= pieces.measured.size()) return;
   const auto* measured = reinterpret_cast<const char*>(pieces.measured.data() + piece.first_cut);
-  __builtin_prefetch(measured);
-  __builtin_prefetch(measured + 64);
+  constexpr std::size_t cache_line = 64;
+  for (std::size_t offset = 0; offset < 2 * cache_line; offset += cache_line) __builtin_prefetch(measured + offset);
 }
 
 // Calls body(row, column, entry) for each tile of a small facet's square that has some of its pixels.

@@ -134,7 +134,7 @@ bool is_on_side(const ProjectedMesh& projected, std::uint32_t facet, int facing,
   return (side != 0 ? side : 1) == cut.side;
 }
 
-MeasuredCut measured_cut(const MeshView& mesh, const Pieces& pieces, const Piece& piece, std::size_t cut) {
+MeasuredCut cut_of_piece(const MeshView& mesh, const Pieces& pieces, const Piece& piece, std::size_t cut) {
   if (cut < pieces.measured.size()) return pieces.measured[cut];
   return measure_cut(mesh, piece.facet, pieces.plane_of(pieces.cuts[cut], mesh.triangles), pieces.cuts[cut].side);
 }
@@ -275,12 +275,12 @@ PixelBox facet_pixels(const ProjectedMesh& projected, std::uint32_t facet) {
 }
 
 PixelSquare piece_pixels(const ProjectedMesh& projected, const Pieces& pieces, const Piece& piece, int facing, int x,
-                         int y, PixelSquare facet_pixels) {
+                         int y, PixelSquare of_facet) {
   constexpr double extent = square_size - 1;
   const FacetEdges edges = facet_edges(projected, piece.facet, facing, {x + 0.5, y + 0.5}, extent);
-  PixelSquare covered = facet_pixels;
+  PixelSquare covered = of_facet;
   for (std::size_t i = piece.first_cut; i < piece.first_cut + piece.cut_count && covered != 0; ++i) {
-    const MeasuredCut measured = measured_cut(projected.mesh, pieces, piece, i);
+    const MeasuredCut measured = cut_of_piece(projected.mesh, pieces, piece, i);
     const CutLine line = cut_line(edges, measured, extent);
     for (PixelSquare left = covered; left != 0; left &= left - 1) {
       const int bit = std::countr_zero(left), column = bit % square_size, row = bit / square_size;
@@ -333,7 +333,7 @@ PixelBox PieceClipper::clip(const ProjectedMesh& projected, const Pieces& pieces
   const std::size_t kept_before = kept.size();
   polygon_ = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   for (std::size_t i = piece.first_cut; i < piece.first_cut + piece.cut_count; ++i) {
-    const MeasuredCut measured = measured_cut(projected.mesh, pieces, piece, i);
+    const MeasuredCut measured = cut_of_piece(projected.mesh, pieces, piece, i);
     const double margin = std::max(clip_margin, 2 * measured.error);
     const auto [lowest, highest] = find_values(measured);
     if (highest < -margin) {

@@ -14,13 +14,15 @@
 // A piece of a facet also covers only what lies on the given side of each of its cuts' planes. The point seen at p has
 // weights E_i(p) of the facet's corners, so the plane's value there is C(p) = sum(E_i(p) s_i) up to a positive factor,
 // with s_i the signed volume of the plane's corners and corner i: linear in p, one more edge function, decided in the
-// same three ways and by the same tie rule. Hence the two sides of a cut share no pixel and miss none.
+// same ways (in double at once where the facet is small) and by the same tie rule. Hence the two sides of a cut share
+// no pixel and miss none.
 #pragma once
 
 #include <cstdint>
 #include <glm/glm.hpp>
 #include <limits>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "facetsort/blend/view.h"
@@ -82,8 +84,7 @@ int facet_facing(const ProjectedMesh& projected, std::uint32_t facet);
 FacetEdges facet_edges(const ProjectedMesh& projected, std::uint32_t facet, int facing, const glm::dvec2& origin,
                        double extent);
 
-// One cut of one facet: the plane's value at corner i is measured.volume[i]. Scaled by a power of two: the largest
-// magnitude lies in [1/2, 1), unless all are 0. The same for every view.
+// One cut of one facet: the plane's value at corner i is measured.volume[i]. The same for every view.
 struct FacetCut {
   MeasuredCut measured;
   CutPlane plane;
@@ -115,9 +116,10 @@ PixelBox facet_pixels(const ProjectedMesh& projected, std::uint32_t facet);
 using PixelSquare = std::uint64_t;
 inline constexpr int square_size = 8;
 
-// Of the pixels that a facet covers, in the square from (x, y) on, those that a piece of it does. Exact.
+// Of the pixels that a facet covers, in the square from (x, y) on, those that a piece of it does. Exact. Precondition:
+// `facing` is the facet's, and not 0.
 PixelSquare piece_pixels(const ProjectedMesh& projected, const Pieces& pieces, const Piece& piece, int facing, int x,
-                         int y, PixelSquare facet_pixels);
+                         int y, PixelSquare of_facet);
 
 // Finds which of a piece's cuts matter, and where. Keeps its scratch.
 class PieceClipper {

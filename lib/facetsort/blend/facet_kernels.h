@@ -17,7 +17,7 @@ enum class Coverage : std::uint32_t {
   none,         // it covers no pixel's centre
   known,        // it is small, and its pixels are listed
   grid,         // all corners are on the grid: by edge functions of grid points, where those are certain
-  homogeneous,  // by homogeneous edge functions: pieces, and facets with a corner off the grid or in doubtful facing
+  homogeneous,  // by homogeneous edge functions: pieces of larger facets, and facets off the grid or of doubtful facing
 };
 
 // The first `count` columns, or rows, of a square; 0 <= count <= 8.

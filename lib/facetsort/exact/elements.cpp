@@ -261,8 +261,12 @@ void for_each_line_of(const Points& points, const PointDefinition& definition, c
     return;
   }
   visit(key_of(a, b));
-  for (const FacetId facet : points.space().facets_around(a)) {
-    const auto is_corner = [&](int i) { return points.space().corner(facet, i) == b; };
+  // Facets with the edge are around both ends, and an end may have very many.
+  const PointSpace& space = points.space();
+  const bool fewer_around_a = space.facets_around(a).size() <= space.facets_around(b).size();
+  const PointId end = fewer_around_a ? a : b, other = fewer_around_a ? b : a;
+  for (const FacetId facet : space.facets_around(end)) {
+    const auto is_corner = [&](int i) { return space.corner(facet, i) == other; };
     if (is_corner(0) || is_corner(1) || is_corner(2)) visit(key_of_planes(points, facet, c));
   }
 }
@@ -290,6 +294,7 @@ void list_lines_of_slots(const Points& points, std::span<const LineKey> lines, E
   tbb::parallel_sort(pairs);
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   elements.slot_line_begin.assign(elements.slot_point.size() + 1, 0);
+  elements.slot_line.reserve(pairs.size());
   for (const auto& [slot, line] : pairs) {
     ++elements.slot_line_begin[slot + 1];
     elements.slot_line.push_back(line);

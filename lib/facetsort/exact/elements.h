@@ -34,10 +34,10 @@ struct Elements {
     if (corner_line.empty()) return {};
     return std::span(corner_line).subspan(first_corner[element], first_corner[element + 1] - first_corner[element]);
   }
-  // Whether a slot is known to lie on one of these lines.
+  // Whether a slot is known to lie on one of these lines. Precondition: they were asked for.
   bool is_on_line(std::uint32_t slot, std::uint32_t line) const {
     const auto begin = slot_line.begin() + slot_line_begin[slot], end = slot_line.begin() + slot_line_begin[slot + 1];
-    return std::find(begin, end, line) != end;
+    return std::binary_search(begin, end, line);
   }
   bool is_whole(std::size_t element) const { return draw_id[element] == facet[element]; }
   std::size_t memory_bytes() const;
@@ -55,7 +55,7 @@ struct Elements {
   std::vector<PointId> corner_point;
   std::vector<std::uint32_t> corner_slot;
   std::vector<std::uint32_t> corner_line;                 // see lines()
-  std::vector<std::uint32_t> slot_line_begin, slot_line;  // slots + 1 begins, see is_on_line()
+  std::vector<std::uint32_t> slot_line_begin, slot_line;  // slots + 1 begins; those of a slot ascend
   std::vector<std::uint32_t> first_extra_patch;  // count() + 1: patches of those with more than four corners
 
   std::vector<SlotBlock> slot_blocks;

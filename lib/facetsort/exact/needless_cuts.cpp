@@ -142,6 +142,7 @@ class Joiner {
     }
     lists_[backward] = list_behind(count_, all);
     lists_[forward] = reversed(lists_[backward]);
+    visits_left_ = most_visited + visits_of_pair * all.size();
   }
 
   // Whether both halves of a part are drawn, each in one.
@@ -158,15 +159,20 @@ class Joiner {
   // Searches for what lies on paths from the first half towards the second and back, on both sides by turns. Where no
   // path connects them, returns the direction in which all is found, in reached_.
   std::optional<int> search(const std::array<std::uint32_t, 2>& halves) {
-    // Where a search takes longer, the cut stays.
-    constexpr std::size_t most_visited = 1 << 22;
-    std::size_t visited[2] = {0, 0}, next[2] = {0, 0};
+    std::size_t visited[2] = {0, 0};
+    const std::optional<int> direction = search(halves, visits_left_ > 0 ? most_visited : most_visited_late, visited);
+    visits_left_ -= std::min(visits_left_, visited[forward] + visited[backward]);
+    return direction;
+  }
+
+  std::optional<int> search(const std::array<std::uint32_t, 2>& halves, std::size_t most, std::size_t (&visited)[2]) {
+    std::size_t next[2] = {0, 0};
     last_search_ += 2;
     for (const int direction : {forward, backward}) {
       reached_[direction].assign(1, halves[direction]);
       reached_by_[halves[direction]] = last_search_ + direction;
     }
-    while (visited[forward] + visited[backward] < most_visited) {
+    while (visited[forward] + visited[backward] < most) {
       const int direction = visited[forward] <= visited[backward] ? forward : backward;
       std::vector<std::uint32_t>& reached = reached_[direction];
       if (next[direction] == reached.size()) return direction;
@@ -218,6 +224,9 @@ class Joiner {
   }
 
   static constexpr int forward = 0, backward = 1;
+  // Where a search takes longer, the cut stays. In the one large cycle of plant_63k it takes so long to have all that
+  // can be joined; where all searches together have come by every pair so often, they are cut short.
+  static constexpr std::size_t most_visited = 1 << 22, most_visited_late = 1 << 15, visits_of_pair = 512;
 
   const CycleParts& parts_;
   const std::uint32_t most_, count_;
@@ -229,6 +238,7 @@ class Joiner {
   std::vector<std::uint32_t> reached_[2];
   std::vector<std::uint32_t> reached_by_;  // by node: the last search that did, and its direction
   std::uint32_t last_search_ = 0;
+  std::size_t visits_left_ = 0;
 };
 
 }  // namespace

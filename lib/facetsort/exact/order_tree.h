@@ -50,7 +50,7 @@ struct OrderTree {
   std::span<const Halving> halvings_of(const Node& node) const {
     return std::span(halvings).subspan(node.first_halving, node.halving_count);
   }
-  // That begins with a node.
+  // The one that begins with a node. Precondition: one does.
   const Subtree& subtree_at(std::uint32_t first_node) const {
     return *std::lower_bound(subtrees.begin(), subtrees.end(), first_node,
                              [](const Subtree& subtree, std::uint32_t node) { return subtree.first_node < node; });

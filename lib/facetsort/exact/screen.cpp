@@ -468,6 +468,7 @@ Seen::Overlap Screen::overlap_of(std::span<const std::uint32_t, a_extent> a_slot
     Edges result = Edges::do_not_part;
     for (std::size_t i = 0; i < slots.size(); ++i) {
       const std::uint32_t from = slots[i], to = slots[i + 1 == slots.size() ? 0 : i + 1];
+      if (from == to) continue;
       const auto edge = make_edge(from, to, facing);
       bool certain = true, inside = false;
       for (const std::uint32_t slot : others) {

@@ -44,16 +44,17 @@ void RejoinedOrder::rejoin(const TreeWalk& walk, Rejoining& rejoining, std::size
   }
 }
 
-// All below a node, and then its own halvings: what is on its two sides takes no part in each other's.
-void RejoinedOrder::find_below(const View& view, std::uint32_t node) {
+// All below a node, and then its own halvings: what is on its two sides takes no part in each other's. Calls go as deep
+// as the top of the tree, which is no chain: to take parts through a node has its price where planes are chosen.
+void RejoinedOrder::find_below(const Look& look, std::uint32_t node) {
   if (node == OrderTree::none) return;
-  TreeWalk& walk = view.walk;
+  TreeWalk& walk = look.walk;
   const OrderTree& tree = walk.tree();
   const std::size_t begin = walk.first_place(node);
   const auto rejoin_nodes = [&](std::size_t first_node, std::size_t node_count) {
     RejoiningScratch& scratch = scratch_.local();
     const unsigned long long fallbacks = exact_fallbacks();
-    Rejoining rejoining(view.relation, view.screen, view.elements, row_, moving_, scratch);
+    Rejoining rejoining(look.relation, look.screen, look.elements, row_, moving_, scratch);
     rejoin(walk, rejoining, first_node, node_count);
     scratch.counts.fallbacks += exact_fallbacks() - fallbacks;
   };
@@ -64,8 +65,8 @@ void RejoinedOrder::find_below(const View& view, std::uint32_t node) {
     return rejoin_nodes(node, subtree.node_count);
   }
   fill(walk, node, 1, begin, begin + walk.reserved(tree.nodes[node].member_count));
-  tbb::parallel_invoke([&] { find_below(view, tree.nodes[node].front); },
-                       [&] { find_below(view, tree.nodes[node].back); });
+  tbb::parallel_invoke([&] { find_below(look, tree.nodes[node].front); },
+                       [&] { find_below(look, tree.nodes[node].back); });
   rejoin_nodes(node, 1);
 }
 

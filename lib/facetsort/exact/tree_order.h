@@ -39,14 +39,14 @@ class RejoinedOrder {
   std::size_t memory_bytes() const { return prepared_bytes() + row_.memory_bytes(); }
 
  private:
-  struct View {
+  struct Look {
     TreeWalk& walk;
     const Relation& relation;
     const Screen& screen;
     const Elements& elements;
   };
 
-  void find_below(const View& view, std::uint32_t node);
+  void find_below(const Look& look, std::uint32_t node);
   void fill(const TreeWalk& walk, std::size_t first_node, std::size_t node_count, std::size_t begin, std::size_t end);
   void rejoin(const TreeWalk& walk, Rejoining& rejoining, std::size_t first_node, std::size_t node_count) const;
 

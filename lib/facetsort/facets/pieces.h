@@ -32,11 +32,11 @@ struct Cut {
 // each is convex.
 struct Piece {
   std::uint32_t facet;
-  std::uint32_t first_cut, cut_count;  // in Pieces::cuts
+  std::uint32_t first_cut, cut_count;  // in Pieces::cuts, each of one piece
 };
 
-// How far the corners of a facet are from the plane of a cut of it, for drawing; see measure_cuts(). Positive on the
-// piece's side, up to a positive factor that all three have in common; each is within `error`.
+// How far the corners of a facet are from the plane of a cut of it, as measure_cuts() gives it: positive on the piece's
+// side, each within `error`, scaled by a power of two so that the largest magnitude lies in [1/2, 1), unless all are 0.
 struct MeasuredCut {
   double volume[3], error;
 };
