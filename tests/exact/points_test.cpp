@@ -170,12 +170,25 @@ Mesh with_area(const Mesh& mesh) {
   return kept;
 }
 
+// A source's facets with area, and what cuts of them make.
+struct CutSource {
+  explicit CutSource(const Source& source, int joins = 0)
+      : mesh(with_area(source.make())), space(space_of(mesh.view())), points(space) {
+    add_joins(points, joins);
+    ids = make_points(points, 150);
+  }
+  CutSource(const CutSource&) = delete;
+
+  Mesh mesh;
+  PointSpace space;
+  Points points;
+  std::vector<PointId> ids;
+};
+
 TEST_P(PointSigns, AreThoseOfRationalArithmetic) {
-  const Mesh mesh = with_area(GetParam().make());
-  const PointSpace space = space_of(mesh.view());
-  Points points(space);
-  add_joins(points, 4);
-  std::vector<PointId> ids = make_points(points, 150);
+  const CutSource source(GetParam(), 4);
+  const auto& [mesh, space, points, made] = source;
+  std::vector<PointId> ids = made;
   ASSERT_GT(ids.size(), 20u);
   for (const glm::uvec3& t : mesh.triangles) ids.push_back(space.position_of_vertex[t.y]);
   const Oracle oracle(points);
@@ -211,10 +224,8 @@ TEST_P(PointSigns, AreThoseOfRationalArithmetic) {
 }
 
 TEST_P(PointSigns, PositionsAreWithinTheirErrors) {
-  const Mesh mesh = with_area(GetParam().make());
-  const PointSpace space = space_of(mesh.view());
-  Points points(space);
-  const std::vector<PointId> ids = make_points(points, 150);
+  const CutSource source(GetParam());
+  const auto& [mesh, space, points, ids] = source;
   const Oracle oracle(points);
   for (const PointId id : ids) {
     const Exact exact = oracle.point(id);
@@ -236,10 +247,8 @@ TEST_P(PointSigns, PositionsAreWithinTheirErrors) {
 }
 
 TEST_P(PointSigns, CoincideWhereRationalArithmeticSaysSo) {
-  const Mesh mesh = with_area(GetParam().make());
-  const PointSpace space = space_of(mesh.view());
-  Points points(space);
-  const std::vector<PointId> ids = make_points(points, 150);
+  const CutSource source(GetParam());
+  const auto& [mesh, space, points, ids] = source;
   const Oracle oracle(points);
   std::vector<Exact> exact;
   for (const PointId id : ids) exact.push_back(oracle.point(id));

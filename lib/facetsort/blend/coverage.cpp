@@ -134,11 +134,6 @@ bool is_on_side(const ProjectedMesh& projected, std::uint32_t facet, int facing,
   return (side != 0 ? side : 1) == cut.side;
 }
 
-MeasuredCut cut_of_piece(const MeshView& mesh, const Pieces& pieces, const Piece& piece, std::size_t cut) {
-  if (cut < pieces.measured.size()) return pieces.measured[cut];
-  return measure_cut(mesh, piece.facet, pieces.plane_of(pieces.cuts[cut], mesh.triangles), pieces.cuts[cut].side);
-}
-
 }  // namespace
 
 void ProjectedMesh::project(const MeshView& mesh_in, const View& view_in) {
@@ -200,13 +195,14 @@ FacetEdges facet_edges(const ProjectedMesh& projected, std::uint32_t facet, int 
   return edges;
 }
 
-MeasuredCut measure_cut(const MeshView& mesh, std::uint32_t facet, const CutPlane& plane, std::int32_t side) {
-  const PlanePoints points = points_of(mesh, plane);
+MeasuredCut measured_cut(const MeshView& mesh, const Pieces& pieces, const Piece& piece, std::size_t cut) {
+  if (cut < pieces.measured.size()) return pieces.measured[cut];
+  const PlanePoints points = points_of(mesh, pieces.plane_of(pieces.cuts[cut], mesh.triangles));
   MeasuredCut made{{}, 0};
   double largest = 0;
   for (int i = 0; i < 3; ++i) {
-    const SignedVolume volume = signed_volume(points, mesh.corner(facet, i));
-    made.volume[i] = side * volume.value;
+    const SignedVolume volume = signed_volume(points, mesh.corner(piece.facet, i));
+    made.volume[i] = pieces.cuts[cut].side * volume.value;
     made.error = std::max(made.error, volume.error);
     largest = std::max(largest, std::abs(volume.value));
   }
@@ -215,6 +211,10 @@ MeasuredCut measure_cut(const MeshView& mesh, std::uint32_t facet, const CutPlan
   for (double& volume : made.volume) volume = std::ldexp(volume, -exponent);
   made.error = std::ldexp(made.error, -exponent);
   return made;
+}
+
+FacetCut facet_cut(const MeshView& mesh, const Pieces& pieces, std::size_t cut, const MeasuredCut& measured) {
+  return {measured, pieces.plane_of(pieces.cuts[cut], mesh.triangles), pieces.cuts[cut].side};
 }
 
 CutLine cut_line(const FacetEdges& edges, const MeasuredCut& cut, double extent) {
@@ -280,17 +280,16 @@ PixelSquare piece_pixels(const ProjectedMesh& projected, const Pieces& pieces, c
   const FacetEdges edges = facet_edges(projected, piece.facet, facing, {x + 0.5, y + 0.5}, extent);
   PixelSquare covered = of_facet;
   for (std::size_t i = piece.first_cut; i < piece.first_cut + piece.cut_count && covered != 0; ++i) {
-    const MeasuredCut measured = cut_of_piece(projected.mesh, pieces, piece, i);
+    const MeasuredCut measured = measured_cut(projected.mesh, pieces, piece, i);
     const CutLine line = cut_line(edges, measured, extent);
     for (PixelSquare left = covered; left != 0; left &= left - 1) {
       const int bit = std::countr_zero(left), column = bit % square_size, row = bit / square_size;
       const double value = line.a * column + line.b * row + line.c;
       bool is_inside = value > 0;
       if (std::abs(value) <= line.error) {
-        const Cut& cut = pieces.cuts[i];
-        is_inside = is_on_side(
-            projected, piece.facet, facing, {measured, pieces.plane_of(cut, projected.mesh.triangles), cut.side},
-            edges_at_pixel(projected, piece.facet, facing, x + column, y + row), x + column, y + row);
+        is_inside =
+            is_on_side(projected, piece.facet, facing, facet_cut(projected.mesh, pieces, i, measured),
+                       edges_at_pixel(projected, piece.facet, facing, x + column, y + row), x + column, y + row);
       }
       if (!is_inside) covered &= ~(PixelSquare{1} << bit);
     }
@@ -333,7 +332,7 @@ PixelBox PieceClipper::clip(const ProjectedMesh& projected, const Pieces& pieces
   const std::size_t kept_before = kept.size();
   polygon_ = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   for (std::size_t i = piece.first_cut; i < piece.first_cut + piece.cut_count; ++i) {
-    const MeasuredCut measured = cut_of_piece(projected.mesh, pieces, piece, i);
+    const MeasuredCut measured = measured_cut(projected.mesh, pieces, piece, i);
     const double margin = std::max(clip_margin, 2 * measured.error);
     const auto [lowest, highest] = find_values(measured);
     if (highest < -margin) {
@@ -341,8 +340,7 @@ PixelBox PieceClipper::clip(const ProjectedMesh& projected, const Pieces& pieces
       return {};
     }
     if (lowest > margin) continue;
-    const Cut& cut = pieces.cuts[i];
-    kept.push_back({measured, pieces.plane_of(cut, projected.mesh.triangles), cut.side});
+    kept.push_back(facet_cut(projected.mesh, pieces, i, measured));
     cut_off_below(-margin);
   }
   // Where the facet crosses the near plane its corners need not be in front of the eye.

@@ -90,7 +90,9 @@ struct FacetCut {
   CutPlane plane;
   std::int32_t side;
 };
-MeasuredCut measure_cut(const MeshView& mesh, std::uint32_t facet, const CutPlane& plane, std::int32_t side);
+// A cut of a piece, by its place in pieces.cuts: as it was measured before, or else measured now. And with its plane.
+MeasuredCut measured_cut(const MeshView& mesh, const Pieces& pieces, const Piece& piece, std::size_t cut);
+FacetCut facet_cut(const MeshView& mesh, const Pieces& pieces, std::size_t cut, const MeasuredCut& measured);
 
 // A cut's edge function in the coordinates of `edges`, positive on the piece's side, and the bound on its rounding
 // within `extent`, the one that `edges` was asked for.

@@ -35,9 +35,9 @@ class DrawnParts {
       }
       const Piece& piece = pieces.pieces[order[rank] - facet_count];
       parts_[cursors[facet]++] = {rank, cuts_.size(), piece.cut_count};
-      for (const Cut& cut : pieces.cuts_of(piece)) {
-        const CutPlane plane = pieces.plane_of(cut, mesh.triangles);
-        cuts_.push_back({blend_internal::measure_cut(mesh, facet, plane, cut.side), plane, cut.side});
+      for (std::size_t i = piece.first_cut; i < piece.first_cut + piece.cut_count; ++i) {
+        cuts_.push_back(
+            blend_internal::facet_cut(mesh, pieces, i, blend_internal::measured_cut(mesh, pieces, piece, i)));
       }
     }
   }

@@ -80,8 +80,7 @@ std::vector<MeasuredCut> measure_cuts(const MeshView& mesh, const Pieces& pieces
   parallel_ranges(pieces.pieces.size(), pieces_per_task, [&](std::size_t begin, std::size_t end) {
     for (const Piece& piece : pieces.pieces.subspan(begin, end - begin)) {
       for (std::size_t i = piece.first_cut; i < piece.first_cut + piece.cut_count; ++i) {
-        const Cut& cut = pieces.cuts[i];
-        measured[i] = blend_internal::measure_cut(mesh, piece.facet, pieces.plane_of(cut, mesh.triangles), cut.side);
+        measured[i] = blend_internal::measured_cut(mesh, pieces, piece, i);
       }
     }
   });

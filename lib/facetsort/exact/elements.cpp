@@ -261,14 +261,10 @@ void for_each_line_of(const Points& points, const PointDefinition& definition, c
     return;
   }
   visit(key_of(a, b));
-  // Facets with the edge are around both ends, and an end may have very many.
-  const PointSpace& space = points.space();
-  const bool fewer_around_a = space.facets_around(a).size() <= space.facets_around(b).size();
-  const PointId end = fewer_around_a ? a : b, other = fewer_around_a ? b : a;
-  for (const FacetId facet : space.facets_around(end)) {
-    const auto is_corner = [&](int i) { return space.corner(facet, i) == other; };
-    if (is_corner(0) || is_corner(1) || is_corner(2)) visit(key_of_planes(points, facet, c));
-  }
+  points.space().any_facet_with_edge(a, b, [&](FacetId facet) {
+    visit(key_of_planes(points, facet, c));
+    return false;
+  });
 }
 
 // The lines of edges that are known to go through a slot, each once: of edges that begin or end there, and by how its

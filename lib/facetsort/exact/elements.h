@@ -29,12 +29,11 @@ struct Elements {
   std::span<const std::uint32_t> slots(std::uint32_t element) const {
     return std::span(corner_slot).subspan(first_corner[element], first_corner[element + 1] - first_corner[element]);
   }
-  // Of the edges that begin at the corners, numbered; none where they were not asked for.
+  // Of the edges that begin at the corners, numbered. Precondition: they were asked for.
   std::span<const std::uint32_t> lines(std::uint32_t element) const {
-    if (corner_line.empty()) return {};
     return std::span(corner_line).subspan(first_corner[element], first_corner[element + 1] - first_corner[element]);
   }
-  // Whether a slot is known to lie on one of these lines. Precondition: they were asked for.
+  // Whether a slot is known to lie on one of these lines. Precondition as above.
   bool is_on_line(std::uint32_t slot, std::uint32_t line) const {
     const auto begin = slot_line.begin() + slot_line_begin[slot], end = slot_line.begin() + slot_line_begin[slot + 1];
     return std::binary_search(begin, end, line);

@@ -346,13 +346,7 @@ bool Points::known_collinear(PointId a, PointId b, PointId c) const {
         return other.kind == d.kind && other.a == d.a && other.b == d.b;
       };
       if (on_edge(a) && on_edge(b) && on_edge(c)) return true;
-      if (!all_in_plane(d.c)) continue;
-      for (std::uint32_t i = space_->around_begin[d.a]; i < space_->around_begin[d.a + 1]; ++i) {
-        const FacetId facet = space_->around[i];
-        const bool has_edge =
-            space_->corner(facet, 0) == d.b || space_->corner(facet, 1) == d.b || space_->corner(facet, 2) == d.b;
-        if (has_edge && all_in_plane(facet)) return true;
-      }
+      if (all_in_plane(d.c) && space_->any_facet_with_edge(d.a, d.b, all_in_plane)) return true;
       continue;
     }
     for (const auto& [f, g] : {std::pair{d.a, d.b}, std::pair{d.b, d.c}, std::pair{d.a, d.c}}) {

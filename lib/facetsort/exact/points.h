@@ -5,6 +5,7 @@
 // it, with a bound on its error, in a filter, and integers where the filter is undecided.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <compare>
 #include <cstddef>
@@ -12,6 +13,7 @@
 #include <glm/glm.hpp>
 #include <map>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "facetsort/base/memory.h"
@@ -59,6 +61,16 @@ struct PointSpace {
   // By position; of a vertex that stands for it.
   std::span<const FacetId> facets_around(PointId vertex) const {
     return std::span(around).subspan(around_begin[vertex], around_begin[vertex + 1] - around_begin[vertex]);
+  }
+  // Whether visit(facet) returns true for some facet with an edge of two vertices; calls it until it does. Such facets
+  // are around both ends, of which one may have very many.
+  template <typename Visit>
+  bool any_facet_with_edge(PointId a, PointId b, const Visit& visit) const {
+    if (facets_around(a).size() > facets_around(b).size()) std::swap(a, b);
+    const std::span<const FacetId> facets = facets_around(a);
+    return std::any_of(facets.begin(), facets.end(), [&](FacetId facet) {
+      return (corner(facet, 0) == b || corner(facet, 1) == b || corner(facet, 2) == b) && visit(facet);
+    });
   }
   PointId corner(FacetId facet, int i) const { return position_of_vertex[mesh.triangles[facet][i]]; }
 };

@@ -338,9 +338,10 @@ Seen Screen::compare(const Elements& elements, std::uint32_t a, std::uint32_t b,
 }
 
 Seen::Overlap Screen::overlap(const Elements& elements, std::uint32_t a, std::uint32_t b) const {
-  const auto is_on_line = [&](std::uint32_t slot, std::uint32_t line) { return elements.is_on_line(slot, line); };
-  return overlap_of(elements.slots(a), facing_[a], elements.lines(a), elements.slots(b), facing_[b], elements.lines(b),
-                    is_on_line);
+  const auto is_on_line = [&](std::uint32_t slot, bool of_a, std::size_t edge) {
+    return elements.is_on_line(slot, elements.lines(of_a ? a : b)[edge]);
+  };
+  return overlap_of(elements.slots(a), facing_[a], elements.slots(b), facing_[b], is_on_line);
 }
 
 // Where each has corners on both sides of the other's plane, some two of their edges cross on the screen, and the one
@@ -423,17 +424,15 @@ Seen Screen::compare_parts(std::span<const std::uint32_t, a_extent> a_slots, int
   int known = side(a_slots, a_facing, b_slots);
   if (known == 0) known = -side(b_slots, b_facing, a_slots);
   if (known == -behind) return {Seen::either, static_cast<std::int8_t>(known)};
-  const auto unknown = [](std::uint32_t, std::uint32_t) { return false; };
-  const auto no_lines = std::span<const std::uint32_t>();
-  return {overlap_of(a_slots, a_facing, no_lines, b_slots, b_facing, no_lines, unknown),
-          static_cast<std::int8_t>(known)};
+  const auto is_on_line = [](std::uint32_t, bool, std::size_t) { return false; };  // as far as is known
+  return {overlap_of(a_slots, a_facing, b_slots, b_facing, is_on_line), static_cast<std::int8_t>(known)};
 }
 
+// is_on_line(slot, of_a, i): whether a slot is known to lie on the line of edge i of the first part, or of the second.
 template <std::size_t a_extent, std::size_t b_extent, typename IsOnLine>
 Seen::Overlap Screen::overlap_of(std::span<const std::uint32_t, a_extent> a_slots, int a_facing,
-                                 std::span<const std::uint32_t> a_lines,
                                  std::span<const std::uint32_t, b_extent> b_slots, int b_facing,
-                                 std::span<const std::uint32_t> b_lines, const IsOnLine& is_on_line) const {
+                                 const IsOnLine& is_on_line) const {
   const double error = 4 * rounding_;  // of a difference of coordinates, with its own rounding
 
   const auto at = [&](std::uint32_t slot) {
@@ -463,8 +462,7 @@ Seen::Overlap Screen::overlap_of(std::span<const std::uint32_t, a_extent> a_slot
 
   // Whether some edge of one has all of the other on its outer side. Corners that they share lie on the edge, and so do
   // those that are known to be on its line.
-  const auto edges_part = [&](const auto& slots, int facing, std::span<const std::uint32_t> lines, const auto& others,
-                              const auto& make_edge) {
+  const auto edges_part = [&](bool of_a, const auto& slots, int facing, const auto& others, const auto& make_edge) {
     Edges result = Edges::do_not_part;
     for (std::size_t i = 0; i < slots.size(); ++i) {
       const std::uint32_t from = slots[i], to = slots[i + 1 == slots.size() ? 0 : i + 1];
@@ -478,7 +476,7 @@ Seen::Overlap Screen::overlap_of(std::span<const std::uint32_t, a_extent> a_slot
           inside = true;
           break;
         }
-        certain = certain && (outward > bound || (!lines.empty() && is_on_line(slot, lines[i])));
+        certain = certain && (outward > bound || is_on_line(slot, of_a, i));
       }
       if (inside) continue;
       if (certain) return Edges::part;
@@ -498,9 +496,9 @@ Seen::Overlap Screen::overlap_of(std::span<const std::uint32_t, a_extent> a_slot
                     error * sp * sq};
   };
   const auto part = [&](const auto& make_edge) {
-    const Edges by_a = edges_part(a_slots, a_facing, a_lines, b_slots, make_edge);
+    const Edges by_a = edges_part(true, a_slots, a_facing, b_slots, make_edge);
     if (by_a == Edges::part) return by_a;
-    const Edges by_b = edges_part(b_slots, b_facing, b_lines, a_slots, make_edge);
+    const Edges by_b = edges_part(false, b_slots, b_facing, a_slots, make_edge);
     return by_b == Edges::do_not_part ? by_a : by_b;
   };
   Seen::Overlap overlap = overlap_across_edge(a_slots, a_facing, b_slots, b_facing);

@@ -44,7 +44,7 @@ class Screen {
   // that the first is behind (+1) or the second (-1). Precondition: parts of different facets, neither seen edge-on,
   // that do not cross.
   Seen compare(const Elements& elements, std::uint32_t a, std::uint32_t b, int behind) const;
-  // The same, of whether they overlap.
+  // The same, of whether they overlap. Precondition: the lines of the elements' edges are known.
   Seen::Overlap overlap(const Elements& elements, std::uint32_t a, std::uint32_t b) const;
   // Of two that overlap, which is behind: +1 the first, -1 the second, 0 where this filter can't tell. Precondition: as
   // above, and viewpoint().surrounded is false.
@@ -73,8 +73,8 @@ class Screen {
                      std::span<const std::uint32_t, b_extent> b_slots, int b_facing, int behind) const;
   template <std::size_t a_extent, std::size_t b_extent, typename IsOnLine>
   Seen::Overlap overlap_of(std::span<const std::uint32_t, a_extent> a_slots, int a_facing,
-                           std::span<const std::uint32_t> a_lines, std::span<const std::uint32_t, b_extent> b_slots,
-                           int b_facing, std::span<const std::uint32_t> b_lines, const IsOnLine& is_on_line) const;
+                           std::span<const std::uint32_t, b_extent> b_slots, int b_facing,
+                           const IsOnLine& is_on_line) const;
   void choose_projection(const Elements& elements, const Eye& eye);
   void see_points(const Elements& elements);
   void place_elements(const Points& points, const Elements& elements, std::vector<float>& keys);
